@@ -1,0 +1,63 @@
+//! Directions on the hemisphere about a normal, and their pdfs in solid angle.
+//!
+//! * uniform: `pdf = 1 / (2 pi)`; `cos_theta = u`, by inversion (Pharr, Jakob, Humphreys, *PBRT*
+//!   4th ed., A.5.2).
+//! * cosine: `pdf = cos_theta / pi`; a uniform point on the disk lifted to the hemisphere
+//!   (Malley's method, ibid. A.5.3), the disk in polar form.
+//!
+//! Input: `u`, `v` in `[0, 1 - 2^-24]`. Output: unit vectors (to rounding) in the frame whose z
+//! axis is the normal, with `z > 0`, so no pdf that is divided by is ever 0: uniform takes
+//! `1 - u`, at least 2^-24, for the cosine; cosine takes `1 - u` under the root.
+
+use crate::lanes::Fx;
+use crate::math::{INV_PI, sin_cos_turn};
+use crate::vec3::Vec3x;
+
+/// `1 / (2 pi)`.
+pub const UNIFORM_PDF: f32 = 0.5 * INV_PI;
+
+/// Uniform over the hemisphere about +z; pdf [`UNIFORM_PDF`].
+#[inline(always)]
+#[must_use]
+pub fn sample_uniform(u: Fx, v: Fx) -> Vec3x {
+    let z = Fx::ONE - u;
+    // sin^2 = 1 - z^2 = (1 - z)(1 + z) = u (1 + z), without cancellation.
+    let r = (u * (Fx::ONE + z)).sqrt();
+    let (sin, cos) = sin_cos_turn(v);
+    Vec3x::new(r * cos, r * sin, z)
+}
+
+/// Cosine-weighted over the hemisphere about +z; pdf [`cosine_pdf`] of the result's `z`.
+#[inline(always)]
+#[must_use]
+pub fn sample_cosine(u: Fx, v: Fx) -> Vec3x {
+    let r = u.sqrt();
+    let (sin, cos) = sin_cos_turn(v);
+    Vec3x::new(r * cos, r * sin, (Fx::ONE - u).sqrt())
+}
+
+/// `cos_theta / pi`, for `cos_theta >= 0`.
+#[inline(always)]
+#[must_use]
+pub fn cosine_pdf(cos_theta: Fx) -> Fx {
+    cos_theta * Fx::splat(INV_PI)
+}
+
+/// From the frame whose z axis is the unit vector `n` to the world.
+///
+/// T. Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017: without a branch,
+/// and without the singularity at `n.z = -1`.
+#[inline(always)]
+#[must_use]
+pub fn to_world(n: Vec3x, local: Vec3x) -> Vec3x {
+    let sign = (n.z & Fx::splat(-0.0)) | Fx::ONE;
+    let a = -Fx::ONE / (sign + n.z);
+    let b = n.x * n.y * a;
+    let tangent = Vec3x::new(
+        (sign * n.x * n.x).mul_add(a, Fx::ONE),
+        sign * b,
+        -(sign * n.x),
+    );
+    let bitangent = Vec3x::new(b, (n.y * n.y).mul_add(a, sign), -n.y);
+    tangent.scale_add(local.x, bitangent.scale_add(local.y, n * local.z))
+}

@@ -1,0 +1,17 @@
+//! The SIMD kernels of Huygens.
+//!
+//! Every kernel takes plain slices (or small structs of slices) and writes slices. This crate
+//! knows no scene, no file, no thread and makes no allocation. One kernel family a file; each
+//! file's header states the formula and its source, the measure of each pdf, the input domain,
+//! what is guaranteed of the output, and the bytes read and written an item.
+//!
+//! Only [`lanes`] knows how many lanes a vector has. A slice that a kernel walks in whole vectors
+//! is padded to a multiple of [`lanes::LANES`]; what lies in the padding is unspecified and never
+//! reaches a result.
+
+pub mod hemisphere;
+pub mod lanes;
+pub mod math;
+pub mod rays;
+pub mod rng;
+pub mod vec3;

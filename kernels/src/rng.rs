@@ -1,0 +1,63 @@
+//! Counter-based random numbers: a pure function of (seed, pixel, sample, block of dimensions).
+//!
+//! `pcg4d` of M. Jarzynski and M. Olano, "Hash Functions for GPU Rendering", JCGT 9(3), 2020: a
+//! bijection of four words to four words that passes TestU01's BigCrush at their setting. The four
+//! words in are the counter, the four words out are four dimensions. So a path carries no state:
+//! whoever needs numbers asks for its *block* by number, and any lane, wave, thread or machine
+//! that asks the same gets the same.
+//!
+//! The seam for other samplers is [`Sampler`]: four dimensions at a time, since that is what one
+//! evaluation of the hash, or one padded four-dimensional Owen-scrambled Sobol point, gives.
+//!
+//! Input: any. Output: uniform on `{0, 1, …, 2^24 - 1} * 2^-24`, so in `[0, 1 - 2^-24]`.
+
+use crate::lanes::{Fx, Ux, to_f32};
+
+/// A sequence of points: four dimensions a block, one point a (pixel, sample).
+pub trait Sampler: Copy + Send + Sync {
+    /// Dimensions `4 * block .. 4 * block + 4` of the point of each lane's `(pixel, sample)`.
+    #[must_use]
+    fn draw4(&self, pixel: Ux, sample: Ux, block: Ux) -> [Fx; 4];
+}
+
+/// Independent uniform numbers.
+#[derive(Clone, Copy, Debug)]
+pub struct Independent {
+    /// Two renders with different seeds are independent of each other.
+    pub seed: u32,
+}
+
+impl Sampler for Independent {
+    #[inline(always)]
+    fn draw4(&self, pixel: Ux, sample: Ux, block: Ux) -> [Fx; 4] {
+        pcg4d([pixel, sample, block, Ux::splat(self.seed)]).map(unit)
+    }
+}
+
+/// The hash itself, a bijection on 128 bits.
+#[inline(always)]
+#[must_use]
+pub fn pcg4d(v: [Ux; 4]) -> [Ux; 4] {
+    let (a, c) = (Ux::splat(1_664_525), Ux::splat(1_013_904_223));
+    let [mut x, mut y, mut z, mut w] = v.map(|e| e * a + c);
+    x += y * w;
+    y += z * x;
+    z += x * y;
+    w += y * z;
+    x ^= x >> 16;
+    y ^= y >> 16;
+    z ^= z >> 16;
+    w ^= w >> 16;
+    x += y * w;
+    y += z * x;
+    z += x * y;
+    w += y * z;
+    [x, y, z, w]
+}
+
+/// The top 24 bits as a number in `[0, 1 - 2^-24]`.
+#[inline(always)]
+#[must_use]
+pub fn unit(bits: Ux) -> Fx {
+    to_f32(bits >> 8) * Fx::splat(1.0 / 16_777_216.0)
+}

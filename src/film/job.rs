@@ -1,0 +1,70 @@
+//! The unit of work: a tile of pixels times a range of samples, and the buffer that it fills.
+
+/// A rectangle of pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tile {
+    /// Left edge.
+    pub x: u32,
+    /// Top edge.
+    pub y: u32,
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+}
+
+impl Tile {
+    /// Number of pixels.
+    #[must_use]
+    pub fn pixels(&self) -> u32 {
+        self.width * self.height
+    }
+}
+
+/// A tile of pixels times a range of sample indices.
+///
+/// Its camera samples are numbered by *slot*: `slot = pixel_in_tile * samples + (sample -
+/// first_sample)`, pixels of the tile in scanline order.
+#[derive(Clone, Copy, Debug)]
+pub struct Job {
+    /// Index of the tile in the film.
+    pub tile_index: usize,
+    /// The tile.
+    pub tile: Tile,
+    /// First sample index.
+    pub first_sample: u32,
+    /// Number of sample indices.
+    pub samples: u32,
+}
+
+impl Job {
+    /// Number of camera samples.
+    #[must_use]
+    pub fn slots(&self) -> usize {
+        self.tile.pixels() as usize * self.samples as usize
+    }
+}
+
+/// Radiance of each camera sample of a job, by slot. Allocated once a worker.
+#[derive(Clone, Debug, Default)]
+pub struct SampleBuffer {
+    /// Red, green and blue columns.
+    pub radiance: [Vec<f32>; 3],
+}
+
+impl SampleBuffer {
+    /// Room for `slots` samples, all black.
+    #[must_use]
+    pub fn new(slots: usize) -> Self {
+        Self {
+            radiance: std::array::from_fn(|_| vec![0.0; slots]),
+        }
+    }
+
+    /// Makes the first `slots` samples black again.
+    pub fn clear(&mut self, slots: usize) {
+        for column in &mut self.radiance {
+            column[..slots].fill(0.0);
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! A scene as the kernels read it: flat tables, world space, linear Rec. 709 colours.
+
+use crate::settings::Settings;
+use serde::{Deserialize, Serialize};
+
+/// A compiled scene.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// For people: the scene's title or its file's stem.
+    pub name: String,
+    /// BLAKE3 of everything that the image depends on in the scene (not of the file's layout).
+    pub hash: [u8; 32],
+    /// The camera.
+    pub camera: Perspective,
+    /// The film.
+    pub film: FilmSpec,
+    /// All triangles.
+    pub mesh: Mesh,
+    /// Materials, indexed by [`Mesh::material`].
+    pub materials: Vec<Material>,
+    /// Radiance of a constant sky around the scene, W/m^2/sr, if there is one.
+    pub sky: Option<[f32; 3]>,
+    /// Settings of the scene's file over the defaults.
+    pub settings: Settings,
+    /// Fallbacks taken while loading, each once, in the order met.
+    pub warnings: Vec<String>,
+}
+
+/// Triangles in world space. All vertices are finite, all indices valid, no triangle has two equal
+/// vertices' positions on a line (zero area).
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Vertex positions, scene units.
+    pub vertices: Vec<[f32; 3]>,
+    /// Vertex indices of each triangle; counter-clockwise seen from its front.
+    pub indices: Vec<[u32; 3]>,
+    /// Material index of each triangle.
+    pub material: Vec<u32>,
+}
+
+impl Mesh {
+    /// Number of triangles.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        self.indices.len()
+    }
+
+    /// The three corners of triangle `i`.
+    #[must_use]
+    pub fn corners(&self, i: usize) -> [[f32; 3]; 3] {
+        self.indices[i].map(|v| self.vertices[v as usize])
+    }
+}
+
+/// A Lambertian surface, the same on both sides, that may emit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Its name in the scene file or MTL.
+    pub name: String,
+    /// Diffuse reflectance, each channel in 0..=1.
+    pub albedo: [f32; 3],
+    /// Emitted radiance, W/m^2/sr, each channel finite and >= 0; black: no light.
+    pub emission: [f32; 3],
+    /// Whether it emits from the back too.
+    pub two_sided: bool,
+}
+
+impl Material {
+    /// Whether it emits at all.
+    #[must_use]
+    pub fn emits(&self) -> bool {
+        self.emission.iter().any(|&c| c > 0.0)
+    }
+}
+
+/// A pinhole camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Perspective {
+    /// Centre of projection.
+    pub origin: [f32; 3],
+    /// Unit vector towards the scene.
+    pub forward: [f32; 3],
+    /// Unit vector to the right of the image.
+    pub right: [f32; 3],
+    /// Unit vector to the top of the image.
+    pub up: [f32; 3],
+    /// Half the image's width at distance 1: the tangent of half the horizontal field of view.
+    pub half_width: f32,
+    /// Half the image's height at distance 1.
+    pub half_height: f32,
+}
+
+/// Image size and pixel filter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmSpec {
+    /// Pixels across, 1..=65535.
+    pub width: u32,
+    /// Pixels down, 1..=65535.
+    pub height: u32,
+    /// Pixel filter.
+    pub filter: Filter,
+}
+
+/// Pixel reconstruction filters, separable, realised by filter importance sampling (M. Ernst,
+/// M. Stamminger, G. Greiner, "Filter Importance Sampling", RT 2006): a sample's position is drawn
+/// from the filter and weighs 1 in its own pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Filter {
+    /// One pixel wide.
+    Box,
+    /// Linear fall-off to radius 1.
+    Tent,
+    /// Standard deviation 0.5, cut at radius 1.5.
+    Gaussian,
+    /// Four-term Blackman-Harris window of radius 1.65.
+    BlackmanHarris,
+}

@@ -1,0 +1,104 @@
+//! What a render is asked to do, apart from the scene: the same words in scene files, on the
+//! command line and in the library.
+
+use serde::{Deserialize, Serialize};
+
+/// What the wave computes for each camera sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Integrator {
+    /// Light transport along paths of any length.
+    Path,
+    /// Emission and light that scatters once: `path` with a maximum depth of 1.
+    Direct,
+    /// The unoccluded share of the cosine-weighted hemisphere, up to a distance.
+    Ao,
+    /// The geometric normal that faces the camera, mapped from -1..1 to 0..1.
+    Normals,
+    /// Distance along the camera ray.
+    Depth,
+    /// Diffuse reflectance.
+    Albedo,
+    /// The scalar, recursive f64 tracer that the others are tested against. Slow.
+    Reference,
+}
+
+/// How a surface looks for light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Strategy {
+    /// Directions uniform over the hemisphere, pdf 1 / (2 pi).
+    Uniform,
+    /// Directions with pdf cos / pi.
+    Cosine,
+    /// Next-event estimation alone: a point on a light at every surface.
+    Light,
+    /// Cosine directions and next-event estimation, weighted by the power heuristic.
+    Mis,
+}
+
+/// Everything that a render needs besides scene, geometry and film.
+///
+/// The image depends on `integrator`, `strategy`, `spp`, `max_depth`, `roulette`, `seed` and
+/// `ao_distance`; never on `threads`, `wave` or `tile`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// What is computed for each sample.
+    pub integrator: Integrator,
+    /// How a surface looks for light.
+    pub strategy: Strategy,
+    /// Samples a pixel, at least 1.
+    pub spp: u32,
+    /// The largest number of scattering events on a path; 0 shows emission only. `None`: no limit.
+    pub max_depth: Option<u32>,
+    /// Whether paths end at random by their throughput. Without it and without a maximum depth, a
+    /// path in a closed scene would never end, so [`Settings::depth_limit`] then sets one.
+    pub roulette: bool,
+    /// Seed of the random numbers.
+    pub seed: u32,
+    /// Occlusion distance of `ao` in scene units; `None`: a tenth of the scene's diagonal.
+    pub ao_distance: Option<f32>,
+    /// Worker threads; 0: one for each core.
+    pub threads: usize,
+    /// Paths in a worker's wave.
+    pub wave: usize,
+    /// Edge of a square tile in pixels.
+    pub tile: u32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            integrator: Integrator::Path,
+            strategy: Strategy::Mis,
+            spp: 64,
+            max_depth: None,
+            roulette: true,
+            seed: 0,
+            ao_distance: None,
+            threads: 0,
+            wave: 4096,
+            tile: 32,
+        }
+    }
+}
+
+impl Settings {
+    /// Depth at which paths are cut when neither a maximum depth nor roulette ends them: what is
+    /// lost at an albedo of 0.99 is then below e^-40 of the answer.
+    pub const CUT_WITHOUT_ROULETTE: u32 = 4096;
+
+    /// The number of scattering events after which every path ends.
+    #[must_use]
+    pub fn depth_limit(&self) -> u32 {
+        let asked = match self.integrator {
+            Integrator::Direct => Some(self.max_depth.unwrap_or(1).min(1)),
+            _ => self.max_depth,
+        };
+        asked.unwrap_or(if self.roulette {
+            u32::MAX >> 1
+        } else {
+            Self::CUT_WITHOUT_ROULETTE
+        })
+    }
+}
