@@ -9,9 +9,23 @@
 //! is padded to a multiple of [`lanes::LANES`]; what lies in the padding is unspecified and never
 //! reaches a result.
 
+pub mod accumulate;
+pub mod camera;
+pub mod compact;
+pub mod emission;
+pub mod filter;
 pub mod hemisphere;
 pub mod lanes;
+pub mod light;
+pub mod look;
 pub mod math;
+pub mod mis;
+pub mod queues;
 pub mod rays;
 pub mod rng;
+pub mod roulette;
+pub mod scatter;
+pub mod soa;
+pub mod surface;
+pub mod tables;
 pub mod vec3;

@@ -34,6 +34,26 @@ impl Sampler for Independent {
     }
 }
 
+/// What a path vertex draws its numbers for: each gets a block of its own, so that no number is used
+/// twice and none depends on what else a scene calls for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Block {
+    /// Two for the next direction, one for roulette.
+    Direction,
+    /// Two to select a light, two for a point on it.
+    Light,
+}
+
+/// The camera's block: two numbers for the pixel filter, two for the lens.
+pub const CAMERA_BLOCK: u32 = 0;
+
+/// The block of a path that has scattered `bounces` times so far (whatever its topmost bit).
+#[inline(always)]
+#[must_use]
+pub fn block(bounces: Ux, what: Block) -> Ux {
+    bounces + bounces + Ux::splat(1 + what as u32)
+}
+
 /// The hash itself, a bijection on 128 bits.
 #[inline(always)]
 #[must_use]

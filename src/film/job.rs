@@ -43,6 +43,17 @@ impl Job {
     pub fn slots(&self) -> usize {
         self.tile.pixels() as usize * self.samples as usize
     }
+
+    /// The camera sample in `slot`: (x, y, sample index).
+    #[must_use]
+    pub fn sample_of(&self, slot: u32) -> (u32, u32, u32) {
+        let pixel = slot / self.samples;
+        (
+            self.tile.x + pixel % self.tile.width,
+            self.tile.y + pixel / self.tile.width,
+            self.first_sample + slot % self.samples,
+        )
+    }
 }
 
 /// Radiance of each camera sample of a job, by slot. Allocated once a worker.
@@ -59,6 +70,11 @@ impl SampleBuffer {
         Self {
             radiance: std::array::from_fn(|_| vec![0.0; slots]),
         }
+    }
+
+    /// The columns, as kernels take them.
+    pub fn columns(&mut self) -> [&mut [f32]; 3] {
+        self.radiance.each_mut().map(Vec::as_mut_slice)
     }
 
     /// Makes the first `slots` samples black again.

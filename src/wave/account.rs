@@ -1,6 +1,12 @@
 //! The accounting of a render: always on, a few additions a stage call.
+//!
+//! Paths keep their order from queue to queue and new ones join at the end, so a queue holds few
+//! runs of equal bounce; counting runs, not items, is what makes the accounting by bounce cheap.
 
+use huygens_kernels::lanes::padded;
+use huygens_kernels::queues::LAST_RAY;
 use serde::Serialize;
+use std::time::Instant;
 
 /// What a render did.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -51,7 +57,7 @@ pub struct StageStats {
 
 /// A stage's share that belongs to one bounce. Calls that hold several bounces are apportioned by
 /// items.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct BounceStats {
     /// Items read.
     pub items_in: u64,
@@ -70,6 +76,289 @@ pub struct Dropped {
     pub stage: &'static str,
     /// How many in all.
     pub count: u64,
-    /// The first few, as (x, y, sample): `render --replay` renders that one path again.
+    /// The first few, as (x, y, sample).
     pub examples: Vec<(u32, u32, u32)>,
+}
+
+/// The stages, in the order of the loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stage {
+    Generate,
+    Intersect,
+    Sort,
+    Sky,
+    Emission,
+    Scatter,
+    Occlude,
+    Roulette,
+}
+
+impl Stage {
+    const ALL: [Self; 8] = [
+        Self::Generate,
+        Self::Intersect,
+        Self::Sort,
+        Self::Sky,
+        Self::Emission,
+        Self::Scatter,
+        Self::Occlude,
+        Self::Roulette,
+    ];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Generate => "generate",
+            Self::Intersect => "intersect",
+            Self::Sort => "sort",
+            Self::Sky => "shade: sky",
+            Self::Emission => "shade: emission",
+            Self::Scatter => "shade: surface",
+            Self::Occlude => "occlude",
+            Self::Roulette => "roulette",
+        }
+    }
+}
+
+/// Bounces told apart; the last row holds all deeper ones.
+pub(crate) const ROWS: usize = 64;
+
+/// Items by bounce.
+#[derive(Clone, Debug)]
+pub(crate) struct Tally {
+    rows: [u32; ROWS],
+    depth: usize,
+    total: u32,
+}
+
+impl Default for Tally {
+    fn default() -> Self {
+        Self {
+            rows: [0; ROWS],
+            depth: 0,
+            total: 0,
+        }
+    }
+}
+
+impl Tally {
+    pub(crate) fn add(&mut self, bounce: u32, items: usize) {
+        let row = (bounce as usize).min(ROWS - 1);
+        self.rows[row] += items as u32;
+        self.depth = self.depth.max(row + 1);
+        self.total += items as u32;
+    }
+
+    /// The tally of a queue's `bounces` column, or of one `later` by so many bounces.
+    pub(crate) fn of(bounces: &[u32], later: u32) -> Self {
+        let mut tally = Self::default();
+        for_each_run(bounces, |bounce, run| {
+            tally.add(bounce.wrapping_add(later), run.len())
+        });
+        tally
+    }
+
+    /// Both together.
+    pub(crate) fn plus(mut self, other: &Self) -> Self {
+        for row in 0..other.depth {
+            self.rows[row] += other.rows[row];
+        }
+        self.depth = self.depth.max(other.depth);
+        self.total += other.total;
+        self
+    }
+
+    pub(crate) fn total(&self) -> usize {
+        self.total as usize
+    }
+}
+
+/// Calls `run` with each longest range of equal bounces, in order. [`LAST_RAY`] is not looked at.
+pub(crate) fn for_each_run(bounces: &[u32], mut run: impl FnMut(u32, std::ops::Range<usize>)) {
+    let mut start = 0;
+    while start < bounces.len() {
+        let bounce = bounces[start] & !LAST_RAY;
+        let rest = &bounces[start..];
+        // Whole blocks of equal bounces first: the compiler compares them in lanes.
+        let same = |b: &u32| b & !LAST_RAY == bounce;
+        let blocks = rest
+            .chunks_exact(32)
+            .take_while(|c| c.iter().filter(|b| same(b)).count() == 32);
+        let whole = blocks.count() * 32;
+        let end = start + whole + rest[whole..].iter().take_while(|b| same(b)).count();
+        run(bounce, start..end);
+        start = end;
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Entry {
+    calls: u64,
+    seconds: f64,
+    lanes_issued: u64,
+    rows: [BounceStats; ROWS],
+}
+
+/// One worker's accounting.
+#[derive(Clone, Debug)]
+pub(crate) struct Account {
+    entries: Vec<Entry>,
+    dropped: Vec<Dropped>,
+}
+
+impl Account {
+    pub(crate) fn new() -> Self {
+        let entry = Entry {
+            calls: 0,
+            seconds: 0.0,
+            lanes_issued: 0,
+            rows: [BounceStats::default(); ROWS],
+        };
+        Self {
+            entries: vec![entry; Stage::ALL.len()],
+            dropped: Vec::new(),
+        }
+    }
+
+    /// Books one call of `stage` that began at `start`. Time goes to the bounces by items in (by
+    /// items out where nothing comes in).
+    pub(crate) fn book(
+        &mut self,
+        stage: Stage,
+        start: Instant,
+        items_in: &Tally,
+        items_out: &Tally,
+    ) {
+        let seconds = start.elapsed().as_secs_f64();
+        let entry = &mut self.entries[stage as usize];
+        let by = if items_in.total > 0 {
+            items_in
+        } else {
+            items_out
+        };
+        entry.calls += 1;
+        entry.seconds += seconds;
+        entry.lanes_issued += padded(by.total()) as u64;
+        let each = seconds / f64::from(by.total.max(1));
+        for row in 0..items_in.depth.max(items_out.depth) {
+            let r = &mut entry.rows[row];
+            r.items_in += u64::from(items_in.rows[row]);
+            r.items_out += u64::from(items_out.rows[row]);
+            r.lanes_busy += u64::from(by.rows[row]);
+            r.seconds += each * f64::from(by.rows[row]);
+        }
+    }
+
+    /// Books a value that was not finite.
+    pub(crate) fn drop_sample(&mut self, stage: &'static str, at: (u32, u32, u32)) {
+        book_drop(&mut self.dropped, stage, 1, &[at]);
+    }
+
+    /// Adds another worker's accounting.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        for (a, b) in self.entries.iter_mut().zip(&other.entries) {
+            a.calls += b.calls;
+            a.seconds += b.seconds;
+            a.lanes_issued += b.lanes_issued;
+            for (a, b) in a.rows.iter_mut().zip(&b.rows) {
+                a.items_in += b.items_in;
+                a.items_out += b.items_out;
+                a.lanes_busy += b.lanes_busy;
+                a.seconds += b.seconds;
+            }
+        }
+        for d in &other.dropped {
+            book_drop(&mut self.dropped, d.stage, d.count, &d.examples);
+        }
+    }
+
+    /// Closest-hit rays by bounce 0 and later, and occlusion rays.
+    pub(crate) fn rays(&self) -> (u64, u64, u64) {
+        let rows = |s: Stage| &self.entries[s as usize].rows;
+        let after: u64 = rows(Stage::Intersect)[1..].iter().map(|r| r.items_in).sum();
+        let shadow = rows(Stage::Occlude).iter().map(|r| r.items_in).sum();
+        (rows(Stage::Intersect)[0].items_in, after, shadow)
+    }
+
+    /// Stages that ran, and what was dropped.
+    pub(crate) fn report(&self) -> (Vec<StageStats>, Vec<Dropped>) {
+        let stages = Stage::ALL
+            .iter()
+            .zip(&self.entries)
+            .filter(|(_, e)| e.calls > 0);
+        let stages = stages.map(|(stage, e)| {
+            let depth = e.rows.iter().rposition(|r| *r != BounceStats::default());
+            let sum = |f: fn(&BounceStats) -> u64| e.rows.iter().map(f).sum();
+            StageStats {
+                name: stage.name(),
+                calls: e.calls,
+                seconds: e.seconds,
+                items_in: sum(|r| r.items_in),
+                items_out: sum(|r| r.items_out),
+                lanes_busy: sum(|r| r.lanes_busy),
+                lanes_issued: e.lanes_issued,
+                bounces: e.rows[..depth.map_or(0, |d| d + 1)].to_vec(),
+            }
+        });
+        (stages.collect(), self.dropped.clone())
+    }
+}
+
+/// Examples kept for each stage.
+const EXAMPLES: usize = 8;
+
+fn book_drop(
+    dropped: &mut Vec<Dropped>,
+    stage: &'static str,
+    count: u64,
+    examples: &[(u32, u32, u32)],
+) {
+    let i = dropped
+        .iter()
+        .position(|d| d.stage == stage)
+        .unwrap_or_else(|| {
+            dropped.push(Dropped {
+                stage,
+                count: 0,
+                examples: Vec::new(),
+            });
+            dropped.len() - 1
+        });
+    dropped[i].count += count;
+    let room = EXAMPLES - dropped[i].examples.len();
+    dropped[i].examples.extend(examples.iter().take(room));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn runs_cover_the_column_in_order_and_ignore_the_last_ray_mark() {
+        let mut column = vec![5; 70];
+        column.extend([3, 3, 3 | LAST_RAY, 2]);
+        column.extend([0; 33]);
+        let mut runs = Vec::new();
+        for_each_run(&column, |b, r| runs.push((b, r)));
+        assert_eq!(runs, [(5, 0..70), (3, 70..73), (2, 73..74), (0, 74..107)]);
+        assert_eq!(Tally::of(&column, 1).total(), column.len());
+    }
+
+    #[test]
+    fn apportioned_seconds_add_up() {
+        let mut account = Account::new();
+        let tally = Tally::of(&[2, 2, 1, 0, 0, 0, 0], 0);
+        account.book(Stage::Intersect, Instant::now(), &tally, &tally);
+        let (stages, _) = account.report();
+        let parts: f64 = stages[0].bounces.iter().map(|b| b.seconds).sum();
+        // Three additions and products of numbers of one sign.
+        assert!((parts - stages[0].seconds).abs() <= 8.0 * f64::EPSILON * stages[0].seconds);
+        assert_eq!(
+            stages[0]
+                .bounces
+                .iter()
+                .map(|b| b.items_in)
+                .collect::<Vec<_>>(),
+            [4, 1, 2]
+        );
+    }
 }

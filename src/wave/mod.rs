@@ -1,15 +1,226 @@
 //! The wave: queues, stages, the loop and the scheduler.
+//!
+//! ```text
+//! generate -> intersect -> sort -> shade (sky, emission, surface) -> roulette, compact -+
+//!    ^                                         +-> shadows -> occlude -> add            |
+//!    +----------------------------------------------------------------------------------+
+//! ```
 
-pub mod account;
-pub mod control;
+mod account;
+mod control;
+mod generate;
+mod intersect;
+mod queue;
+mod roulette;
+mod scheduler;
+mod shade;
+mod sort;
+mod tables;
 
-pub use account::{BounceStats, RenderStats, StageStats};
+pub use account::{BounceStats, Dropped, RenderStats, StageStats};
 pub use control::Control;
 
-use crate::{film::Film, geometry::Geometry, scene::Scene, settings::Settings};
+use crate::film::{Film, Job, SampleBuffer, filter};
+use crate::geometry::Geometry;
+use crate::scene::Scene;
+use crate::settings::Settings;
+use account::{Account, Stage, Tally};
+use generate::{Lens, Source};
+use huygens_kernels::compact::Kept;
+use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
+use huygens_kernels::rng::Independent;
+use huygens_kernels::roulette::Rules;
+use huygens_kernels::tables::Tables;
+use queue::Queue;
+use shade::Program;
+use sort::{Lists, Wanted};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+use tables::SceneTables;
 
-/// Renders all samples of `settings` onto `film`. Returns early, with whole samples only on the
-/// film, when `control` is stopped.
+/// What all workers of a render share: the scene as tables, and the stages' settings.
+struct Setup<'a> {
+    geometry: &'a Geometry,
+    tables: Tables<'a>,
+    emits: Vec<bool>,
+    lens: Lens,
+    sampler: Independent,
+    program: Program,
+    wanted: Wanted,
+    rules: Rules,
+    capacity: usize,
+}
+
+/// One worker's wave: its queues, allocated once.
+struct Wave<'a> {
+    setup: &'a Setup<'a>,
+    paths: Queue<PathsMut<'static>>,
+    hits: Queue<PathHitsMut<'static>>,
+    lists: Lists,
+    scattered: Queue<PathsMut<'static>>,
+    shadows: Queue<ShadowsMut<'static>>,
+    occlusion: Queue<OcclusionMut<'static>>,
+    kept: Vec<Kept>,
+    account: Account,
+    rays: u64,
+}
+
+impl<'a> Wave<'a> {
+    fn new(setup: &'a Setup<'a>) -> Self {
+        let capacity = setup.capacity;
+        Self {
+            setup,
+            paths: Queue::new(capacity),
+            hits: Queue::new(capacity),
+            lists: Lists::new(capacity),
+            scattered: Queue::new(capacity),
+            shadows: Queue::new(capacity),
+            occlusion: Queue::new(capacity),
+            kept: Vec::with_capacity(capacity),
+            account: Account::new(),
+            rays: 0,
+        }
+    }
+}
+
+impl scheduler::Worker for Wave<'_> {
+    /// The loop. It runs while any path is under way; no stage knows which bounce it is at.
+    fn trace(&mut self, job: &Job, samples: &mut SampleBuffer, stop: &AtomicBool) -> bool {
+        let Self {
+            setup,
+            paths,
+            hits,
+            lists,
+            scattered,
+            shadows,
+            occlusion,
+            kept,
+            account,
+            ..
+        } = self;
+        let Setup {
+            geometry,
+            tables,
+            sampler,
+            program,
+            ..
+        } = *setup;
+        let (sampler, program) = (*sampler, *program);
+        let mut source = Source::new(job);
+        paths.set_len(0);
+        loop {
+            let start = Instant::now();
+            let new = source.refill(&setup.lens, sampler, paths);
+            if new > 0 {
+                let mut out = Tally::default();
+                out.add(0, new);
+                account.book(Stage::Generate, start, &Tally::default(), &out);
+            }
+            if paths.len() == 0 {
+                return true;
+            }
+            if stop.load(Ordering::Relaxed) {
+                return false;
+            }
+
+            let under_way = Tally::of(&paths.view().bounces[..paths.len()], 0);
+            let start = Instant::now();
+            intersect::intersect(geometry, paths, hits);
+            account.book(Stage::Intersect, start, &under_way, &under_way);
+
+            let start = Instant::now();
+            lists.sort(
+                paths.len(),
+                paths.view(),
+                hits.view(),
+                tables.triangles.material,
+                &setup.emits,
+                setup.wanted,
+            );
+            account.book(Stage::Sort, start, &under_way, &lists.tally());
+
+            if lists.sky.len() > 0 {
+                let start = Instant::now();
+                shade::sky(program, &lists.sky, paths.view(), tables, samples, |slot| {
+                    account.drop_sample(Stage::Sky.name(), job.sample_of(slot));
+                });
+                account.book(Stage::Sky, start, &lists.sky.tally, &Tally::default());
+            }
+            if lists.emission.len() > 0 {
+                let (paths, hits) = (paths.view(), hits.view());
+                let start = Instant::now();
+                shade::emission(
+                    program,
+                    &lists.emission,
+                    paths,
+                    hits,
+                    tables,
+                    samples,
+                    |slot| {
+                        account.drop_sample(Stage::Emission.name(), job.sample_of(slot));
+                    },
+                );
+                account.book(
+                    Stage::Emission,
+                    start,
+                    &lists.emission.tally,
+                    &Tally::default(),
+                );
+            }
+            let start = Instant::now();
+            shade::surface(
+                program,
+                &lists.scatter,
+                paths.view(),
+                hits.view(),
+                tables,
+                sampler,
+                scattered,
+                shadows,
+                samples,
+            );
+            let cast = Tally::of(&shadows.view().bounces[..shadows.len()], 0);
+            let on = Tally::of(&scattered.view().bounces[..scattered.len()], 0);
+            account.book(
+                Stage::Scatter,
+                start,
+                &lists.scatter.tally,
+                &cast.clone().plus(&on),
+            );
+
+            self.rays += (paths.len() + shadows.len()) as u64;
+            if shadows.len() > 0 {
+                let start = Instant::now();
+                intersect::occlude(geometry, shadows, occlusion, samples, |slot| {
+                    account.drop_sample(Stage::Occlude.name(), job.sample_of(slot));
+                });
+                account.book(Stage::Occlude, start, &cast, &Tally::default());
+            }
+
+            let start = Instant::now();
+            roulette::run(setup.rules, sampler, scattered, kept, paths, |slot| {
+                account.drop_sample(Stage::Roulette.name(), job.sample_of(slot));
+            });
+            if on.total() > 0 {
+                let survivors = Tally::of(&paths.view().bounces[..paths.len()], 0);
+                account.book(Stage::Roulette, start, &on, &survivors);
+            }
+        }
+    }
+
+    fn rays(&mut self) -> u64 {
+        std::mem::take(&mut self.rays)
+    }
+
+    fn left_out(&mut self, samples: &[(u32, u32, u32)]) {
+        for &at in samples {
+            self.account.drop_sample("film", at);
+        }
+    }
+}
+
+/// Renders all samples of `settings` onto `film`, which has the size of the scene's film or any
+/// other. Returns early, with whole samples only on the film, when `control` is stopped.
 pub fn render(
     scene: &Scene,
     geometry: &Geometry,
@@ -17,6 +228,71 @@ pub fn render(
     film: &Film,
     control: &Control,
 ) -> RenderStats {
-    let _ = (scene, geometry, settings, film, control);
-    unimplemented!("written by the wave room")
+    let start = Instant::now();
+    let scene_tables = SceneTables::new(scene);
+    let distance = settings
+        .ao_distance
+        .unwrap_or(0.1 * tables::diagonal(&scene.mesh) as f32);
+    let program = Program::new(
+        settings.integrator,
+        settings.strategy,
+        scene_tables.has_lights(),
+        distance,
+    );
+    let Some(program) = program else {
+        unimplemented!("the reference tracer")
+    };
+    let (width, height) = film.size();
+    let sky = scene.sky.is_some_and(|sky| tables::luminance(sky) > 0.0);
+    let limit = if program.is_transport() {
+        settings.depth_limit()
+    } else {
+        1
+    };
+    let setup = Setup {
+        geometry,
+        tables: scene_tables.view(scene),
+        emits: scene
+            .materials
+            .iter()
+            .map(crate::scene::Material::emits)
+            .collect(),
+        lens: Lens {
+            camera: tables::pixel_camera(&scene.camera, width, height),
+            filter: filter::table(scene.film.filter),
+            last_ray: limit == 0,
+        },
+        sampler: Independent {
+            seed: settings.seed,
+        },
+        program,
+        wanted: program.wanted(sky),
+        rules: Rules {
+            random: settings.roulette,
+            limit,
+            last_ray: program.last_ray_is_of_use(),
+        },
+        capacity: settings.wave.max(1),
+    };
+    let workers = scheduler::run(film, settings.spp, settings.threads, control, || {
+        Wave::new(&setup)
+    });
+    let mut account = Account::new();
+    for worker in &workers {
+        account.merge(&worker.account);
+    }
+    let (camera_rays, bounce_rays, shadow_rays) = account.rays();
+    let (stages, dropped) = account.report();
+    RenderStats {
+        seconds: start.elapsed().as_secs_f64(),
+        threads: workers.len(),
+        samples: control.samples.load(Ordering::Relaxed),
+        camera_rays,
+        bounce_rays,
+        shadow_rays,
+        mean_depth: bounce_rays as f64 / camera_rays.max(1) as f64,
+        stopped: control.stop.load(Ordering::Relaxed),
+        stages,
+        dropped,
+    }
 }

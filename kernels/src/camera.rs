@@ -1,0 +1,103 @@
+//! Camera rays: perspective projection through a filtered point of the pixel.
+//!
+//! The filter is realised by importance sampling (see `filter`): the point is drawn from the filter
+//! about the pixel's centre, and the sample weighs 1. The direction is
+//! `forward + x right + y up`, normalised, `x` and `y` running over the image plane at distance 1.
+//!
+//! Written: 64 bytes an item.
+
+use crate::filter;
+use crate::lanes::{Fx, LANES, Ux, padded, store, store_u32, to_f32};
+use crate::queues::{LAST_RAY, PathsMut};
+use crate::rays::NO_PRIMITIVE;
+use crate::rng::{CAMERA_BLOCK, Sampler};
+use crate::vec3::Vec3x;
+
+/// A pinhole camera, ready for pixels: a point at `(x, y)` pixels from the image's top left corner
+/// lies in direction `corner + x right + y down`.
+#[derive(Clone, Copy, Debug)]
+pub struct Perspective {
+    /// Centre of projection.
+    pub origin: [f32; 3],
+    /// Direction of the image's top left corner.
+    pub corner: [f32; 3],
+    /// One pixel to the right.
+    pub right: [f32; 3],
+    /// One pixel down.
+    pub down: [f32; 3],
+}
+
+/// A run of camera samples: slots of one tile and sample range, pixel by pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct Window {
+    /// Left edge of the tile in pixels.
+    pub x: u32,
+    /// Top edge of the tile in pixels.
+    pub y: u32,
+    /// Pixels across the tile.
+    pub width: u32,
+    /// First sample index.
+    pub first_sample: u32,
+    /// Samples a pixel.
+    pub samples: u32,
+}
+
+/// Writes the camera rays of slots `slot .. slot + n` to items `at .. at + n` of `paths`; up to a
+/// vector behind them is overwritten.
+pub fn camera_rays<S: Sampler>(
+    camera: &Perspective,
+    filter: &[f32],
+    window: Window,
+    slot: usize,
+    n: usize,
+    last_ray: bool,
+    sampler: S,
+    mut paths: PathsMut,
+    at: usize,
+) {
+    let slot = slot as u32;
+    let (pixel, mut offset) = (slot / window.samples, slot % window.samples);
+    let (mut px, mut py) = (pixel % window.width, pixel / window.width);
+    for i in (0..padded(n)).step_by(LANES) {
+        let (mut x, mut y, mut sample) = ([0; LANES], [0; LANES], [0; LANES]);
+        for lane in 0..LANES {
+            (x[lane], y[lane]) = (window.x + px, window.y + py);
+            sample[lane] = window.first_sample + offset;
+            offset += 1;
+            if offset == window.samples {
+                offset = 0;
+                px += 1;
+                if px == window.width {
+                    px = 0;
+                    py += 1;
+                }
+            }
+        }
+        let (x, y, sample) = (Ux::new(x), Ux::new(y), Ux::new(sample));
+        let name = (y << 16) | x;
+        let [u, v, ..] = sampler.draw4(name, sample, Ux::splat(CAMERA_BLOCK));
+        let half = Fx::splat(0.5);
+        let fx = to_f32(x) + half + filter::sample(filter, u);
+        let fy = to_f32(y) + half + filter::sample(filter, v);
+        let direction = Vec3x::splat(camera.right)
+            .scale_add(
+                fx,
+                Vec3x::splat(camera.down).scale_add(fy, Vec3x::splat(camera.corner)),
+            )
+            .normalized();
+        let to = at + i;
+        Vec3x::splat(camera.origin).store(&mut paths.origin, to);
+        direction.store(&mut paths.direction, to);
+        Vec3x::splat([1.0; 3]).store(&mut paths.throughput, to);
+        store(paths.pdf, to, Fx::ONE);
+        store_u32(paths.leaves, to, Ux::splat(NO_PRIMITIVE));
+        store_u32(paths.slot, to, crate::lanes::iota(slot + i as u32));
+        store_u32(paths.pixel, to, name);
+        store_u32(paths.sample, to, sample);
+        store_u32(
+            paths.bounces,
+            to,
+            Ux::splat(if last_ray { LAST_RAY } else { 0 }),
+        );
+    }
+}

@@ -1,0 +1,142 @@
+//! Next-event estimation: a light, a point on it, and what one sample of it is worth.
+//!
+//! *Selection* by power through an alias table (A. J. Walker 1977; M. D. Vose, "A Linear Algorithm
+//! for Generating Random Numbers with a Given Distribution", 1991): entry `i = floor(u0 n)` is kept
+//! where `u1 < keep[i]`, else replaced by `alias[i]`.
+//!
+//! *Point*: uniform over the triangle, `(u, v) = (1 - sqrt(u2), u3 sqrt(u2))` (G. Turk, "Generating
+//! Random Points in Triangles", *Graphics Gems*, 1990). Pdf in area measure: `selection / area`; by
+//! power, `selection = area * w / W`, so it is `w / W` whatever the triangle.
+//!
+//! *Measure*: at distance `r`, seen under `cos_l` at the light, a pdf per area is a pdf per solid
+//! angle times `r^2 / cos_l`; see [`area_to_solid_angle`]. The two functions of that pdf that
+//! next-event estimation and emission need are therefore one and the same.
+//!
+//! *Sky*: uniform over the hemisphere of the surface, `selection / (2 pi)` in solid angle.
+
+use crate::hemisphere::{UNIFORM_PDF, sample_uniform, to_world};
+use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask, gather, gather_u32, to_f32, to_u32};
+use crate::rays::NO_PRIMITIVE;
+use crate::surface::{Corners, spawn};
+use crate::tables::Tables;
+use crate::vec3::Vec3x;
+
+/// A pdf per unit area at a point seen under `cos_l > 0` at squared distance `r2`, as a pdf per
+/// unit solid angle.
+#[inline(always)]
+#[must_use]
+pub fn area_to_solid_angle(area_pdf: Fx, r2: Fx, cos_l: Fx) -> Fx {
+    area_pdf * r2 / cos_l
+}
+
+/// The light that `u0` and `u1` select, both in `[0, 1)`.
+#[inline(always)]
+#[must_use]
+pub fn select_light(keep: &[f32], alias: &[u32], u0: Fx, u1: Fx) -> Ux {
+    let n = keep.len() as u32;
+    // u0 n can round up to n.
+    let entry = to_u32(u0 * to_f32(Ux::splat(n))).min(Ux::splat(n - 1));
+    let kept = u1.simd_lt(gather(keep, entry));
+    as_bits(kept).select(entry, gather_u32(alias, entry))
+}
+
+/// One sample of the light around each of `LANES` surfaces.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// From the surface's `origin` to the light: the whole way for triangles (`t_max` 1), a unit
+    /// vector for the sky (`t_max` infinite).
+    pub segment: Vec3x,
+    /// Ray parameter of the light along `segment`.
+    pub t_max: Fx,
+    /// Triangle sampled, or `NO_PRIMITIVE`.
+    pub primitive: Ux,
+    /// Unit vector to the light.
+    pub direction: Vec3x,
+    /// Radiance emitted towards the surface.
+    pub radiance: Vec3x,
+    /// Pdf of `direction` in solid angle, selection included. Positive and finite where `valid`.
+    pub pdf: Fx,
+    /// Where the sample can carry light at all.
+    pub valid: Mask,
+}
+
+/// Samples a light for surfaces at `origin` with unit `normal`. At least one light must exist.
+#[inline(always)]
+#[must_use]
+pub fn sample_light(tables: &Tables, origin: Vec3x, normal: Vec3x, u: [Fx; 4]) -> LightSample {
+    let lights = &tables.lights;
+    let light = select_light(lights.keep, lights.alias, u[0], u[1]);
+    let primitive = gather_u32(lights.primitive, light);
+    let is_sky = as_mask(primitive.simd_eq(Ux::splat(NO_PRIMITIVE)));
+    let sky_lanes = is_sky.to_bitmask();
+    if sky_lanes == 0 {
+        return sample_triangle(tables, origin, primitive, u[2], u[3]);
+    }
+    let sky = sample_sky(tables, normal, u[2], u[3]);
+    if sky_lanes == (1 << LANES) - 1 {
+        return sky;
+    }
+    // Sky lanes borrow some light's triangle so that every look-up is in range.
+    let some = Ux::splat(lights.primitive[0]);
+    let triangle = sample_triangle(
+        tables,
+        origin,
+        as_bits(is_sky).select(some, primitive),
+        u[2],
+        u[3],
+    );
+    LightSample {
+        segment: Vec3x::select(is_sky, sky.segment, triangle.segment),
+        t_max: is_sky.select(sky.t_max, triangle.t_max),
+        primitive,
+        direction: Vec3x::select(is_sky, sky.direction, triangle.direction),
+        radiance: Vec3x::select(is_sky, sky.radiance, triangle.radiance),
+        pdf: is_sky.select(sky.pdf, triangle.pdf),
+        valid: is_sky.select(sky.valid, triangle.valid),
+    }
+}
+
+#[inline(always)]
+fn sample_triangle(tables: &Tables, origin: Vec3x, primitive: Ux, u: Fx, v: Fx) -> LightSample {
+    let corners = Corners::gather(&tables.triangles, primitive);
+    let root = u.sqrt();
+    let (p, s) = corners.point(Fx::ONE - root, v * root);
+    let front_normal = corners.unit_normal();
+    // The side that faces the surface, decided from the point itself; the segment ends just above
+    // it.
+    let towards = p - origin;
+    let front = front_normal.dot(towards).simd_lt(Fx::ZERO);
+    let normal = Vec3x::select(front, front_normal, -front_normal);
+    let segment = spawn(p, s, normal) - origin;
+    let r2 = segment.dot(segment);
+    let direction = segment * (Fx::ONE / r2.sqrt());
+    let cos_l = -normal.dot(direction);
+    let material = gather_u32(tables.triangles.material, primitive);
+    let materials = &tables.materials;
+    let emits = front | as_mask(gather_u32(materials.two_sided, material));
+    let pdf = area_to_solid_angle(gather(materials.area_pdf, material), r2, cos_l);
+    let valid = emits & cos_l.simd_gt(Fx::ZERO) & pdf.simd_gt(Fx::ZERO) & pdf.is_finite();
+    LightSample {
+        segment,
+        t_max: Fx::ONE,
+        primitive,
+        direction,
+        radiance: Vec3x::gather_columns(materials.emission, material),
+        pdf,
+        valid,
+    }
+}
+
+#[inline(always)]
+fn sample_sky(tables: &Tables, normal: Vec3x, u: Fx, v: Fx) -> LightSample {
+    let direction = to_world(normal, sample_uniform(u, v));
+    LightSample {
+        segment: direction,
+        t_max: Fx::splat(f32::INFINITY),
+        primitive: Ux::splat(NO_PRIMITIVE),
+        direction,
+        radiance: Vec3x::splat(tables.lights.sky),
+        pdf: Fx::splat(tables.lights.sky_selection * UNIFORM_PDF),
+        valid: normal.dot(direction).simd_gt(Fx::ZERO),
+    }
+}

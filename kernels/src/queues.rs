@@ -1,0 +1,74 @@
+//! The queues of the wave: what a path is between two stages.
+
+use crate::soa;
+
+/// Set in `bounces` of a path that may find light but does not scatter again.
+pub const LAST_RAY: u32 = 1 << 31;
+
+soa! {
+    /// Paths, each at the start of its next ray.
+    pub struct Paths, PathsMut {
+        /// Where the ray starts, world space.
+        origin: Vec3,
+        /// Its direction, a unit vector to rounding.
+        direction: Vec3,
+        /// Product of BSDF * cos / pdf (and 1 / survival) over the path so far.
+        throughput: Vec3,
+        /// Solid-angle pdf of `direction`; unspecified for camera rays.
+        pdf: F32,
+        /// The triangle that the ray leaves, or `NO_PRIMITIVE`.
+        leaves: U32,
+        /// The camera sample in the job: where the path's radiance is added up.
+        slot: U32,
+        /// `y << 16 | x`: names the pixel to the sampler.
+        pixel: U32,
+        /// Sample index within the pixel.
+        sample: U32,
+        /// Scattering events so far: the path's dimension counter. [`LAST_RAY`] may be set in it.
+        bounces: U32,
+    }
+}
+
+soa! {
+    /// What the rays of [`Paths`] met, item by item.
+    pub struct PathHits, PathHitsMut {
+        /// Index of the triangle, or `NO_PRIMITIVE`.
+        primitive: U32,
+        /// Ray parameter.
+        t: F32,
+        /// Barycentric weight of the second vertex.
+        u: F32,
+        /// Barycentric weight of the third vertex.
+        v: F32,
+    }
+}
+
+soa! {
+    /// Occlusion rays, and the light that arrives if nothing is in the way.
+    pub struct Shadows, ShadowsMut {
+        /// Where the segment starts.
+        origin: Vec3,
+        /// Towards its end; its length is in `t_max`'s unit.
+        direction: Vec3,
+        /// Ray parameter of its end; may be infinite.
+        t_max: F32,
+        /// The triangle that it leaves.
+        leaves: U32,
+        /// The triangle that it ends on, or `NO_PRIMITIVE`.
+        reaches: U32,
+        /// Radiance to add to the path's sample, throughput included.
+        radiance: Vec3,
+        /// The path's camera sample in the job.
+        slot: U32,
+        /// Scattering events of the path before this one; for the accounting.
+        bounces: U32,
+    }
+}
+
+soa! {
+    /// Answers to [`Shadows`], item by item.
+    pub struct Occlusion, OcclusionMut {
+        /// 1 if something is in the way, 0 if not.
+        occluded: U32,
+    }
+}

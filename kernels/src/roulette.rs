@@ -1,0 +1,79 @@
+//! Russian roulette: which paths go on.
+//!
+//! A path with throughput `T` survives with probability `q = min(max(T), 0.99)` and then weighs
+//! `T / q`, so that the expectation stays (J. Arvo, D. Kirk, "Particle Transport and Image
+//! Synthesis", SIGGRAPH 1990). The cap ends paths between perfectly white walls. Throughput that is
+//! 0 or not finite never survives.
+//!
+//! The maximum depth is a rule of this stage too: a path that has scattered `limit` times may follow
+//! its last ray to a light if that is of use, else it ends.
+
+use crate::accumulate::report;
+use crate::compact::Kept;
+use crate::lanes::{Fx, LANES, Ux, as_bits, as_mask, first, load, load_u32, padded, store_u32};
+use crate::queues::{LAST_RAY, PathsMut};
+use crate::rng::{Block, Sampler, block};
+use crate::vec3::Vec3x;
+
+/// The rules of the stage.
+#[derive(Clone, Copy, Debug)]
+pub struct Rules {
+    /// Whether paths end at random.
+    pub random: bool,
+    /// Scattering events after which a path ends, below 2^31.
+    pub limit: u32,
+    /// Whether the ray after the last scattering event is of use.
+    pub last_ray: bool,
+}
+
+/// The largest survival probability.
+pub const SURVIVAL_CAP: f32 = 0.99;
+
+/// Applies the rules to the first `n` paths: weighs the survivors, marks last rays, and pushes which
+/// lanes of each vector survive to `kept` (which has room). `dropped` is called with the slot of each
+/// path whose throughput is not finite.
+pub fn roulette<S: Sampler>(
+    n: usize,
+    paths: &mut PathsMut,
+    rules: Rules,
+    sampler: S,
+    kept: &mut Vec<Kept>,
+    mut dropped: impl FnMut(u32),
+) {
+    for i in (0..padded(n)).step_by(LANES) {
+        let throughput = Vec3x::new(
+            load(paths.throughput[0], i),
+            load(paths.throughput[1], i),
+            load(paths.throughput[2], i),
+        );
+        let largest = throughput.max_component();
+        let (busy, finite) = (first(n - i), throughput.is_finite());
+        report(
+            (busy & !finite).to_bitmask(),
+            load_u32(paths.slot, i),
+            &mut dropped,
+        );
+        let mut survives = busy & finite & largest.simd_gt(Fx::ZERO);
+        let bounces = load_u32(paths.bounces, i);
+        let limit = Ux::splat(rules.limit);
+        if rules.last_ray {
+            // Not `>=`: a path marked before has ended by now.
+            let last = as_mask(bounces.simd_eq(limit));
+            let mark = as_bits(last) & Ux::splat(LAST_RAY);
+            store_u32(paths.bounces, i, bounces | mark);
+        } else {
+            survives &= as_mask(bounces.simd_lt(limit));
+        }
+        if rules.random {
+            // The block of the vertex that was just left.
+            let vertex = bounces - Ux::ONE;
+            let pixel = load_u32(paths.pixel, i);
+            let sample = load_u32(paths.sample, i);
+            let [_, _, u, _] = sampler.draw4(pixel, sample, block(vertex, Block::Direction));
+            let q = largest.fast_min(Fx::splat(SURVIVAL_CAP));
+            survives &= u.simd_lt(q);
+            (throughput * (Fx::ONE / q)).store(&mut paths.throughput, i);
+        }
+        kept.push(Kept::new(survives));
+    }
+}

@@ -1,0 +1,142 @@
+//! From a hit to a surface interaction, and from a surface to a ray that leaves it.
+//!
+//! *Position*: `p = v0 + u e1 + v e2` with `e1 = v1 - v0`, `e2 = v2 - v0`. Whatever `u` and `v`
+//! are, the exact value of that sum lies in the triangle's plane; the computed one is off by at
+//! most `gamma(5) * s` in each component, `s = |v0| + u |e1| + v |e2|` (one rounding in each edge,
+//! two fused operations, and `gamma(n) = n eps / (1 - n eps)`, `eps = 2^-24`; Higham, *Accuracy and
+//! Stability of Numerical Algorithms*, 3.1).
+//!
+//! *Spawning*: a ray starts at `p + n d`, with `n` the unit geometric normal on the side the ray
+//! goes to and `d = |n| . s * gamma(16)`: 5 for the position, 1 for the rounding of the sum itself, 3
+//! for `n` not quite of length 1 and for the rounding of `d`, and the rest for the far side's
+//! arithmetic, which subtracts that origin from the vertices of a neighbour in the same plane. So
+//! the origin is strictly above the plane and no absolute epsilon is needed: the offset scales with
+//! the coordinates. M. Pharr, W. Jakob, G. Humphreys, *PBRT* 4th ed., 6.8.
+//!
+//! The triangle that a ray leaves is also excluded by index, which is exact.
+
+use crate::lanes::{Fx, Mask, Ux, as_mask, gather_u32};
+use crate::tables::Triangles;
+use crate::vec3::Vec3x;
+
+const EPSILON: f32 = 1.0 / 16_777_216.0;
+
+/// `n` roundings in a row, relative: Higham's gamma.
+#[inline(always)]
+const fn gamma(n: f32) -> f32 {
+    n * EPSILON / (1.0 - n * EPSILON)
+}
+
+/// `LANES` triangles.
+#[derive(Clone, Copy, Debug)]
+pub struct Corners {
+    /// First vertex.
+    pub v0: Vec3x,
+    /// Second vertex minus first.
+    pub e1: Vec3x,
+    /// Third vertex minus first.
+    pub e2: Vec3x,
+}
+
+impl Corners {
+    /// Fetches triangles by index.
+    #[inline(always)]
+    #[must_use]
+    pub fn gather(triangles: &Triangles, primitive: Ux) -> Self {
+        let primitive = primitive.to_array();
+        let corner = |k: usize| {
+            Ux::new(std::array::from_fn(|lane| {
+                triangles.indices[primitive[lane] as usize][k]
+            }))
+        };
+        let v0 = Vec3x::gather(triangles.vertices, corner(0));
+        let v1 = Vec3x::gather(triangles.vertices, corner(1));
+        let v2 = Vec3x::gather(triangles.vertices, corner(2));
+        Self {
+            v0,
+            e1: v1 - v0,
+            e2: v2 - v0,
+        }
+    }
+
+    /// Normal of the front side, as long as twice the area.
+    ///
+    /// The edges are first divided by their largest component, so that neither a tiny nor a huge
+    /// triangle loses its normal to underflow or overflow; the length is then that of the scaled
+    /// triangle, and only the direction is returned, of unit length.
+    #[inline(always)]
+    #[must_use]
+    pub fn unit_normal(&self) -> Vec3x {
+        let largest = self
+            .e1
+            .abs()
+            .max_component()
+            .fast_max(self.e2.abs().max_component());
+        let scale = Fx::ONE / largest;
+        (self.e1 * scale).cross(self.e2 * scale).normalized()
+    }
+
+    /// The point with barycentric weights `u`, `v` of the second and third vertex, and the scale
+    /// `s` of its rounding error.
+    #[inline(always)]
+    #[must_use]
+    pub fn point(&self, u: Fx, v: Fx) -> (Vec3x, Vec3x) {
+        let p = self.e2.scale_add(v, self.e1.scale_add(u, self.v0));
+        let s = self
+            .e2
+            .abs()
+            .scale_add(v, self.e1.abs().scale_add(u, self.v0.abs()));
+        (p, s)
+    }
+}
+
+/// `p` moved off its surface to the side of the unit vector `normal`; `s` from [`Corners::point`].
+#[inline(always)]
+#[must_use]
+pub fn spawn(p: Vec3x, s: Vec3x, normal: Vec3x) -> Vec3x {
+    let distance = normal.abs().dot(s) * Fx::splat(gamma(16.0));
+    normal.scale_add(distance, p)
+}
+
+/// `LANES` surface interactions.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// Where rays that leave on the near side start: the hit point, offset.
+    pub origin: Vec3x,
+    /// Unit geometric normal on the side that the path came from.
+    pub normal: Vec3x,
+    /// Whether that side is the front.
+    pub front: Mask,
+    /// Cosine between `normal` and the direction back along the ray.
+    pub cos_o: Fx,
+    /// Material index.
+    pub material: Ux,
+}
+
+impl Surface {
+    /// The interaction of rays with unit `direction` at their hits.
+    #[inline(always)]
+    #[must_use]
+    pub fn at(triangles: &Triangles, primitive: Ux, u: Fx, v: Fx, direction: Vec3x) -> Self {
+        let corners = Corners::gather(triangles, primitive);
+        let front_normal = corners.unit_normal();
+        let cos = front_normal.dot(direction);
+        let front = cos.simd_lt(Fx::ZERO);
+        let normal = Vec3x::select(front, front_normal, -front_normal);
+        let (p, s) = corners.point(u, v);
+        Self {
+            origin: spawn(p, s, normal),
+            normal,
+            front,
+            cos_o: cos.abs(),
+            material: gather_u32(triangles.material, primitive),
+        }
+    }
+
+    /// True where the material emits towards the path.
+    #[inline(always)]
+    #[must_use]
+    pub fn emits_here(&self, two_sided: &[u32]) -> Mask {
+        self.front | as_mask(gather_u32(two_sided, self.material))
+    }
+}

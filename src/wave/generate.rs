@@ -1,0 +1,70 @@
+//! Generate: camera rays for a job's samples, as many as the wave has room for.
+//!
+//! In: the job. Out: paths, appended behind those already under way.
+
+use super::queue::Queue;
+use crate::film::Job;
+use huygens_kernels::camera::{Perspective, Window, camera_rays};
+use huygens_kernels::queues::PathsMut;
+use huygens_kernels::rng::Sampler;
+
+/// What the stage needs for the whole render.
+#[derive(Clone, Debug)]
+pub(crate) struct Lens {
+    pub(crate) camera: Perspective,
+    /// Inverse distribution of the pixel filter.
+    pub(crate) filter: Vec<f32>,
+    /// Whether a camera ray is a path's only ray.
+    pub(crate) last_ray: bool,
+}
+
+/// A job's camera samples that have not been started yet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Source {
+    window: Window,
+    next: usize,
+    slots: usize,
+}
+
+impl Source {
+    pub(crate) fn new(job: &Job) -> Self {
+        Self {
+            window: Window {
+                x: job.tile.x,
+                y: job.tile.y,
+                width: job.tile.width,
+                first_sample: job.first_sample,
+                samples: job.samples,
+            },
+            next: 0,
+            slots: job.slots(),
+        }
+    }
+
+    /// Fills the queue up, or as far as there are samples. Returns how many were added.
+    pub(crate) fn refill<S: Sampler>(
+        &mut self,
+        lens: &Lens,
+        sampler: S,
+        paths: &mut Queue<PathsMut<'static>>,
+    ) -> usize {
+        let n = paths.room().min(self.slots - self.next);
+        if n > 0 {
+            let at = paths.len();
+            camera_rays(
+                &lens.camera,
+                &lens.filter,
+                self.window,
+                self.next,
+                n,
+                lens.last_ray,
+                sampler,
+                paths.view_mut(),
+                at,
+            );
+            paths.set_len(at + n);
+            self.next += n;
+        }
+        n
+    }
+}

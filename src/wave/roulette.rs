@@ -1,0 +1,26 @@
+//! Roulette: which scattered paths go on, and how far.
+//!
+//! In: scattered paths. Out: survivors, compacted in order to the front of the path queue, weighed
+//! by the inverse of their chance; those at the maximum depth marked as on their last ray.
+
+use super::queue::Queue;
+use huygens_kernels::compact::Kept;
+use huygens_kernels::queues::PathsMut;
+use huygens_kernels::rng::Sampler;
+use huygens_kernels::roulette::{Rules, roulette};
+
+/// Runs the stage. `kept` is scratch space for one entry a vector.
+pub(crate) fn run<S: Sampler>(
+    rules: Rules,
+    sampler: S,
+    scattered: &mut Queue<PathsMut<'static>>,
+    kept: &mut Vec<Kept>,
+    paths: &mut Queue<PathsMut<'static>>,
+    dropped: impl FnMut(u32),
+) {
+    kept.clear();
+    let n = scattered.len();
+    roulette(n, &mut scattered.view_mut(), rules, sampler, kept, dropped);
+    paths.set_len(0);
+    paths.append_kept(scattered, kept);
+}

@@ -1,0 +1,179 @@
+//! Shade: what light does where rays end, one kernel a kind.
+//!
+//! In: paths, hits, and the lists that sort them. Out: light added to samples; scattered paths;
+//! occlusion rays.
+//!
+//! Which kernels run is settled once a render, in [`Program`]: a strategy or an integrator is a
+//! choice of kernels, not a branch inside them.
+
+use super::queue::Queue;
+use super::sort::{IndexList, Wanted};
+use crate::film::SampleBuffer;
+use crate::settings::{Integrator, Strategy};
+use huygens_kernels::emission::{sky_emission, surface_emission};
+use huygens_kernels::look::{Look, look};
+use huygens_kernels::queues::{PathHits, Paths, PathsMut, ShadowsMut};
+use huygens_kernels::rng::Sampler;
+use huygens_kernels::scatter::{self, Cosine, LightsAlone, LightsWeighted, NoLights, Out, Uniform};
+use huygens_kernels::tables::Tables;
+
+/// What a render does at surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Program {
+    /// Directions with pdf 1 / (2 pi).
+    Uniform,
+    /// Directions with pdf cos / pi.
+    Cosine,
+    /// Cosine directions to go on, lights found by sampling them.
+    Light,
+    /// Cosine directions and light samples, weighted.
+    Mis,
+    /// Ambient occlusion up to a distance, by uniform or cosine directions.
+    Ambient { distance: f32, uniform: bool },
+    /// A quick look.
+    Look(Look),
+}
+
+impl Program {
+    /// The program of an integrator and a strategy, for a scene with or without lights to sample.
+    /// `None`: not a wave's work.
+    pub(crate) fn new(
+        integrator: Integrator,
+        strategy: Strategy,
+        has_lights: bool,
+        ao_distance: f32,
+    ) -> Option<Self> {
+        Some(match integrator {
+            Integrator::Path | Integrator::Direct => match strategy {
+                Strategy::Uniform => Self::Uniform,
+                // Nothing to sample: what is left of both is the cosine.
+                Strategy::Light | Strategy::Mis if !has_lights => Self::Cosine,
+                Strategy::Cosine => Self::Cosine,
+                Strategy::Light => Self::Light,
+                Strategy::Mis => Self::Mis,
+            },
+            Integrator::Ao => Self::Ambient {
+                distance: ao_distance,
+                uniform: strategy == Strategy::Uniform,
+            },
+            Integrator::Normals => Self::Look(Look::Normals),
+            Integrator::Depth => Self::Look(Look::Depth),
+            Integrator::Albedo => Self::Look(Look::Albedo),
+            Integrator::Reference => return None,
+        })
+    }
+
+    /// Whether a ray that scatters no more can still find light.
+    pub(crate) fn last_ray_is_of_use(self) -> bool {
+        matches!(self, Self::Uniform | Self::Cosine | Self::Mis)
+    }
+
+    /// Whether surfaces are looked at whatever the maximum depth.
+    pub(crate) fn is_transport(self) -> bool {
+        !matches!(self, Self::Ambient { .. } | Self::Look(_))
+    }
+
+    /// Which lists the sort stage fills.
+    pub(crate) fn wanted(self, sky: bool) -> Wanted {
+        let transport = self.is_transport();
+        Wanted {
+            // Where nothing is, nothing occludes.
+            sky: if transport {
+                sky
+            } else {
+                matches!(self, Self::Ambient { .. })
+            },
+            emission: transport,
+            camera_only: self == Self::Light,
+        }
+    }
+}
+
+/// Adds what paths find that leave the scene.
+pub(crate) fn sky(
+    program: Program,
+    list: &IndexList,
+    paths: Paths,
+    tables: &Tables,
+    samples: &mut SampleBuffer,
+    dropped: impl FnMut(u32),
+) {
+    let (index, n, radiance) = (list.padded(), list.len(), &mut samples.columns());
+    match program {
+        Program::Mis => sky_emission::<true>(index, n, paths, tables, radiance, dropped),
+        _ => sky_emission::<false>(index, n, paths, tables, radiance, dropped),
+    }
+}
+
+/// Adds what surfaces emit towards the paths.
+pub(crate) fn emission(
+    program: Program,
+    list: &IndexList,
+    paths: Paths,
+    hits: PathHits,
+    tables: &Tables,
+    samples: &mut SampleBuffer,
+    dropped: impl FnMut(u32),
+) {
+    let (index, n, radiance) = (list.padded(), list.len(), &mut samples.columns());
+    match program {
+        Program::Mis => {
+            surface_emission::<true>(index, n, paths, hits, tables, radiance, dropped);
+        }
+        _ => surface_emission::<false>(index, n, paths, hits, tables, radiance, dropped),
+    }
+}
+
+/// Scatters the listed paths at their surfaces.
+pub(crate) fn surface<S: Sampler>(
+    program: Program,
+    list: &IndexList,
+    paths: Paths,
+    hits: PathHits,
+    tables: &Tables,
+    sampler: S,
+    scattered: &mut Queue<PathsMut<'static>>,
+    shadows: &mut Queue<ShadowsMut<'static>>,
+    samples: &mut SampleBuffer,
+) {
+    let (index, n) = (list.padded(), list.len());
+    let out = Out {
+        paths: scattered.view_mut(),
+        shadows: shadows.view_mut(),
+        shadow_len: 0,
+    };
+    let t = tables;
+    let (scattered_len, shadow_len) = match program {
+        Program::Uniform => (
+            n,
+            scatter::scatter::<Uniform, NoLights, S>(index, n, paths, hits, t, sampler, out),
+        ),
+        Program::Cosine => (
+            n,
+            scatter::scatter::<Cosine, NoLights, S>(index, n, paths, hits, t, sampler, out),
+        ),
+        Program::Light => (
+            n,
+            scatter::scatter::<Cosine, LightsAlone, S>(index, n, paths, hits, t, sampler, out),
+        ),
+        Program::Mis => (
+            n,
+            scatter::scatter::<Cosine, LightsWeighted, S>(index, n, paths, hits, t, sampler, out),
+        ),
+        Program::Ambient { distance, uniform } => {
+            let s = out.shadows;
+            let ambient = if uniform {
+                scatter::ambient::<Uniform, S>
+            } else {
+                scatter::ambient::<Cosine, S>
+            };
+            (0, ambient(index, n, paths, hits, t, sampler, distance, s))
+        }
+        Program::Look(what) => {
+            look(what, index, n, paths, hits, t, &mut samples.columns());
+            (0, 0)
+        }
+    };
+    scattered.set_len(scattered_len);
+    shadows.set_len(shadow_len);
+}
