@@ -9,6 +9,7 @@
 //! is padded to a multiple of [`lanes::LANES`]; what lies in the padding is unspecified and never
 //! reaches a result.
 
+pub mod filter;
 pub mod hemisphere;
 pub mod lanes;
 pub mod math;
