@@ -7,11 +7,12 @@
 //! Written: 64 bytes an item.
 
 use crate::filter;
-use crate::lanes::{Fx, LANES, Ux, padded, store, store_u32, to_f32};
+use crate::lanes::{Fx, LANES, Ux, iota, padded, store, store_u32, to_f32};
 use crate::queues::{LAST_RAY, PathsMut};
 use crate::rays::NO_PRIMITIVE;
 use crate::rng::{CAMERA_BLOCK, Sampler};
 use crate::vec3::Vec3x;
+use std::ops::Range;
 
 /// A pinhole camera, ready for pixels: a point at `(x, y)` pixels from the image's top left corner
 /// lies in direction `corner + x right + y down`.
@@ -42,20 +43,30 @@ pub struct Window {
     pub samples: u32,
 }
 
-/// Writes the camera rays of slots `slot .. slot + n` to items `at .. at + n` of `paths`; up to a
-/// vector behind them is overwritten.
+/// What the kernel needs for the whole render.
+#[derive(Clone, Debug)]
+pub struct Lens<'a> {
+    /// The camera.
+    pub camera: Perspective,
+    /// Inverse distribution of the pixel filter; see `filter`.
+    pub filter: &'a [f32],
+    /// Whether a camera ray is its path's last ray.
+    pub last_ray: bool,
+}
+
+/// Writes the camera rays of `slots` to items `at ..` of `paths`; up to a vector behind them is
+/// overwritten.
 pub fn camera_rays<S: Sampler>(
-    camera: &Perspective,
-    filter: &[f32],
+    lens: &Lens,
     window: Window,
-    slot: usize,
-    n: usize,
-    last_ray: bool,
+    slots: Range<usize>,
     sampler: S,
-    mut paths: PathsMut,
+    paths: &mut PathsMut,
     at: usize,
 ) {
-    let slot = slot as u32;
+    let (n, camera) = (slots.len(), &lens.camera);
+    let bounces = Ux::splat(if lens.last_ray { LAST_RAY } else { 0 });
+    let slot = slots.start as u32;
     let (pixel, mut offset) = (slot / window.samples, slot % window.samples);
     let (mut px, mut py) = (pixel % window.width, pixel / window.width);
     for i in (0..padded(n)).step_by(LANES) {
@@ -77,8 +88,8 @@ pub fn camera_rays<S: Sampler>(
         let name = (y << 16) | x;
         let [u, v, ..] = sampler.draw4(name, sample, Ux::splat(CAMERA_BLOCK));
         let half = Fx::splat(0.5);
-        let fx = to_f32(x) + half + filter::sample(filter, u);
-        let fy = to_f32(y) + half + filter::sample(filter, v);
+        let fx = to_f32(x) + half + filter::sample(lens.filter, u);
+        let fy = to_f32(y) + half + filter::sample(lens.filter, v);
         let direction = Vec3x::splat(camera.right)
             .scale_add(
                 fx,
@@ -91,13 +102,9 @@ pub fn camera_rays<S: Sampler>(
         Vec3x::splat([1.0; 3]).store(&mut paths.throughput, to);
         store(paths.pdf, to, Fx::ONE);
         store_u32(paths.leaves, to, Ux::splat(NO_PRIMITIVE));
-        store_u32(paths.slot, to, crate::lanes::iota(slot + i as u32));
+        store_u32(paths.slot, to, iota(slot + i as u32));
         store_u32(paths.pixel, to, name);
         store_u32(paths.sample, to, sample);
-        store_u32(
-            paths.bounces,
-            to,
-            Ux::splat(if last_ray { LAST_RAY } else { 0 }),
-        );
+        store_u32(paths.bounces, to, bounces);
     }
 }

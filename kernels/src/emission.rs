@@ -11,7 +11,7 @@ use crate::hemisphere::UNIFORM_PDF;
 use crate::lanes::{Fx, LANES, Mask, Ux, as_mask, first, gather, gather_u32, load_u32, padded};
 use crate::light::area_to_solid_angle;
 use crate::mis::power_heuristic;
-use crate::queues::{LAST_RAY, PathHits, Paths};
+use crate::queues::{LAST_RAY, Listed};
 use crate::surface::Surface;
 use crate::tables::Tables;
 use crate::vec3::{ColumnsMut, Vec3x};
@@ -31,19 +31,22 @@ fn weigh<const MIS: bool>(camera: Mask, pdf: Fx, light_pdf: Fx) -> Fx {
     }
 }
 
-/// Adds the emission of the surfaces hit by the first `n` paths of `list` (padded with valid
-/// indices). `dropped` is called with the slot of each value that is not finite.
+/// Adds the emission of the surfaces that the listed paths hit. `dropped` is called with the slot of
+/// each value that is not finite.
 pub fn surface_emission<const MIS: bool>(
-    list: &[u32],
-    n: usize,
-    paths: Paths,
-    hits: PathHits,
+    listed: Listed,
     tables: &Tables,
     radiance: &mut ColumnsMut,
     mut dropped: impl FnMut(u32),
 ) {
+    let Listed {
+        index,
+        len: n,
+        paths,
+        hits,
+    } = listed;
     for i in (0..padded(n)).step_by(LANES) {
-        let at = load_u32(list, i);
+        let at = load_u32(index, i);
         let direction = Vec3x::gather_columns(paths.direction, at);
         let primitive = gather_u32(hits.primitive, at);
         let (u, v) = (gather(hits.u, at), gather(hits.v, at));
@@ -63,19 +66,23 @@ pub fn surface_emission<const MIS: bool>(
     }
 }
 
-/// Adds the sky to the first `n` paths of `list`, which left the scene. As [`surface_emission`].
+/// Adds the sky to the listed paths, which left the scene. As [`surface_emission`].
 pub fn sky_emission<const MIS: bool>(
-    list: &[u32],
-    n: usize,
-    paths: Paths,
+    listed: Listed,
     tables: &Tables,
     radiance: &mut ColumnsMut,
     mut dropped: impl FnMut(u32),
 ) {
+    let Listed {
+        index,
+        len: n,
+        paths,
+        ..
+    } = listed;
     let sky = Vec3x::splat(tables.lights.sky);
     let light_pdf = Fx::splat(tables.lights.sky_selection * UNIFORM_PDF);
     for i in (0..padded(n)).step_by(LANES) {
-        let at = load_u32(list, i);
+        let at = load_u32(index, i);
         let camera = from_camera(gather_u32(paths.bounces, at));
         let weight = weigh::<MIS>(camera, gather(paths.pdf, at), light_pdf);
         let value = Vec3x::gather_columns(paths.throughput, at).product(sky) * weight;

@@ -28,7 +28,7 @@ pub fn sample(table: &[f32], u: Fx) -> Fx {
     let at = (tail + tail).sqrt() * Fx::splat(last as f32);
     // At u = 1/2 this is the last knot itself: the last interval ends there too.
     let knot = to_u32(at).min(Ux::splat(last - 1));
-    let (outer, inner) = (gather(table, knot), gather(table, knot + Ux::ONE));
+    let (outer, inner) = (gather(table, knot), gather(table, knot + Ux::splat(1)));
     let x = (at - to_f32(knot)).mul_add(inner - outer, outer);
     u.simd_lt(rest).select(-x, x)
 }

@@ -6,7 +6,7 @@
 
 use crate::accumulate::add;
 use crate::lanes::{Fx, LANES, first, gather, gather_u32, load_u32, padded};
-use crate::queues::{PathHits, Paths};
+use crate::queues::Listed;
 use crate::surface::Surface;
 use crate::tables::Tables;
 use crate::vec3::{ColumnsMut, Vec3x};
@@ -22,18 +22,16 @@ pub enum Look {
     Albedo,
 }
 
-/// Adds the look of the first `n` paths of `list` (padded with valid indices) to their samples.
-pub fn look(
-    look: Look,
-    list: &[u32],
-    n: usize,
-    paths: Paths,
-    hits: PathHits,
-    tables: &Tables,
-    radiance: &mut ColumnsMut,
-) {
+/// Adds the look of the listed paths to their samples.
+pub fn look(look: Look, listed: Listed, tables: &Tables, radiance: &mut ColumnsMut) {
+    let Listed {
+        index,
+        len: n,
+        paths,
+        hits,
+    } = listed;
     for i in (0..padded(n)).step_by(LANES) {
-        let at = load_u32(list, i);
+        let at = load_u32(index, i);
         let direction = Vec3x::gather_columns(paths.direction, at);
         let primitive = gather_u32(hits.primitive, at);
         let (u, v) = (gather(hits.u, at), gather(hits.v, at));

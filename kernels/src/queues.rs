@@ -43,6 +43,19 @@ soa! {
     }
 }
 
+/// Some of the wave's paths at the ends of their rays: what a shading kernel is given.
+#[derive(Clone, Copy, Debug)]
+pub struct Listed<'a> {
+    /// Which paths, padded with valid indices to whole vectors.
+    pub index: &'a [u32],
+    /// How many.
+    pub len: usize,
+    /// The wave's paths.
+    pub paths: Paths<'a>,
+    /// Their hits.
+    pub hits: PathHits<'a>,
+}
+
 soa! {
     /// Occlusion rays, and the light that arrives if nothing is in the way.
     pub struct Shadows, ShadowsMut {

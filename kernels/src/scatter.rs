@@ -22,7 +22,7 @@ use crate::lanes::{store, store_u32};
 use crate::light::sample_light;
 use crate::math::INV_PI;
 use crate::mis::power_heuristic;
-use crate::queues::{PathHits, Paths, PathsMut, ShadowsMut};
+use crate::queues::{Listed, PathsMut, ShadowsMut};
 use crate::rng::{Block, Sampler, block};
 use crate::surface::Surface;
 use crate::tables::Tables;
@@ -117,19 +117,21 @@ pub struct Out<'a> {
     pub shadow_len: usize,
 }
 
-/// Scatters the first `n` paths of `list` (padded with valid indices to whole vectors). Returns the
-/// number of occlusion rays then in `out.shadows`.
+/// Scatters the listed paths. Returns the number of occlusion rays then in `out.shadows`.
 pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(
-    list: &[u32],
-    n: usize,
-    paths: Paths,
-    hits: PathHits,
+    listed: Listed,
     tables: &Tables,
     sampler: S,
     mut out: Out,
 ) -> usize {
+    let Listed {
+        index,
+        len: n,
+        paths,
+        hits,
+    } = listed;
     for i in (0..padded(n)).step_by(LANES) {
-        let at = load_u32(list, i);
+        let at = load_u32(index, i);
         let busy = first(n - i);
         let direction = Vec3x::gather_columns(paths.direction, at);
         let primitive = gather_u32(hits.primitive, at);
@@ -198,17 +200,20 @@ pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(
 /// `1/pi * integral of V(w) cos(w)` is `V cos / (pi pdf)`, which the occlusion ray carries as its
 /// radiance; the paths end. Arguments as for [`scatter`]; returns the number of occlusion rays.
 pub fn ambient<D: Directions, S: Sampler>(
-    list: &[u32],
-    n: usize,
-    paths: Paths,
-    hits: PathHits,
+    listed: Listed,
     tables: &Tables,
     sampler: S,
     distance: f32,
     mut s: ShadowsMut,
 ) -> usize {
+    let Listed {
+        index,
+        len: n,
+        paths,
+        hits,
+    } = listed;
     for i in (0..padded(n)).step_by(LANES) {
-        let at = load_u32(list, i);
+        let at = load_u32(index, i);
         let primitive = gather_u32(hits.primitive, at);
         let direction = Vec3x::gather_columns(paths.direction, at);
         let (u, v) = (gather(hits.u, at), gather(hits.v, at));

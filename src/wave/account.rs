@@ -152,7 +152,7 @@ impl Tally {
     pub(crate) fn of(bounces: &[u32], later: u32) -> Self {
         let mut tally = Self::default();
         for_each_run(bounces, |bounce, run| {
-            tally.add(bounce.wrapping_add(later), run.len())
+            tally.add(bounce.wrapping_add(later), run.len());
         });
         tally
     }

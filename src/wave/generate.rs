@@ -4,19 +4,9 @@
 
 use super::queue::Queue;
 use crate::film::Job;
-use huygens_kernels::camera::{Perspective, Window, camera_rays};
+use huygens_kernels::camera::{Lens, Window, camera_rays};
 use huygens_kernels::queues::PathsMut;
 use huygens_kernels::rng::Sampler;
-
-/// What the stage needs for the whole render.
-#[derive(Clone, Debug)]
-pub(crate) struct Lens {
-    pub(crate) camera: Perspective,
-    /// Inverse distribution of the pixel filter.
-    pub(crate) filter: Vec<f32>,
-    /// Whether a camera ray is a path's only ray.
-    pub(crate) last_ray: bool,
-}
 
 /// A job's camera samples that have not been started yet.
 #[derive(Clone, Copy, Debug)]
@@ -51,17 +41,8 @@ impl Source {
         let n = paths.room().min(self.slots - self.next);
         if n > 0 {
             let at = paths.len();
-            camera_rays(
-                &lens.camera,
-                &lens.filter,
-                self.window,
-                self.next,
-                n,
-                lens.last_ray,
-                sampler,
-                paths.view_mut(),
-                at,
-            );
+            let slots = self.next..self.next + n;
+            camera_rays(lens, self.window, slots, sampler, &mut paths.view_mut(), at);
             paths.set_len(at + n);
             self.next += n;
         }

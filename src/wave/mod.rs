@@ -25,7 +25,8 @@ use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::settings::Settings;
 use account::{Account, Stage, Tally};
-use generate::{Lens, Source};
+use generate::Source;
+use huygens_kernels::camera::Lens;
 use huygens_kernels::compact::Kept;
 use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
 use huygens_kernels::rng::Independent;
@@ -43,7 +44,7 @@ struct Setup<'a> {
     geometry: &'a Geometry,
     tables: Tables<'a>,
     emits: Vec<bool>,
-    lens: Lens,
+    lens: Lens<'a>,
     sampler: Independent,
     program: Program,
     wanted: Wanted,
@@ -139,21 +140,19 @@ impl scheduler::Worker for Wave<'_> {
             );
             account.book(Stage::Sort, start, &under_way, &lists.tally());
 
+            let (at, hit) = (paths.view(), hits.view());
             if lists.sky.len() > 0 {
                 let start = Instant::now();
-                shade::sky(program, &lists.sky, paths.view(), tables, samples, |slot| {
+                shade::sky(program, lists.sky.of(at, hit), tables, samples, |slot| {
                     account.drop_sample(Stage::Sky.name(), job.sample_of(slot));
                 });
                 account.book(Stage::Sky, start, &lists.sky.tally, &Tally::default());
             }
             if lists.emission.len() > 0 {
-                let (paths, hits) = (paths.view(), hits.view());
                 let start = Instant::now();
                 shade::emission(
                     program,
-                    &lists.emission,
-                    paths,
-                    hits,
+                    lists.emission.of(at, hit),
                     tables,
                     samples,
                     |slot| {
@@ -168,16 +167,9 @@ impl scheduler::Worker for Wave<'_> {
                 );
             }
             let start = Instant::now();
+            let scatter = lists.scatter.of(at, hit);
             shade::surface(
-                program,
-                &lists.scatter,
-                paths.view(),
-                hits.view(),
-                tables,
-                sampler,
-                scattered,
-                shadows,
-                samples,
+                program, scatter, tables, sampler, scattered, shadows, samples,
             );
             let cast = Tally::of(&shadows.view().bounces[..shadows.len()], 0);
             let on = Tally::of(&scattered.view().bounces[..scattered.len()], 0);
@@ -249,6 +241,7 @@ pub fn render(
     } else {
         1
     };
+    let filter = filter::table(scene.film.filter);
     let setup = Setup {
         geometry,
         tables: scene_tables.view(scene),
@@ -259,7 +252,7 @@ pub fn render(
             .collect(),
         lens: Lens {
             camera: tables::pixel_camera(&scene.camera, width, height),
-            filter: filter::table(scene.film.filter),
+            filter: &filter,
             last_ray: limit == 0,
         },
         sampler: Independent {

@@ -7,14 +7,15 @@
 //! choice of kernels, not a branch inside them.
 
 use super::queue::Queue;
-use super::sort::{IndexList, Wanted};
+use super::sort::Wanted;
 use crate::film::SampleBuffer;
 use crate::settings::{Integrator, Strategy};
 use huygens_kernels::emission::{sky_emission, surface_emission};
 use huygens_kernels::look::{Look, look};
-use huygens_kernels::queues::{PathHits, Paths, PathsMut, ShadowsMut};
+use huygens_kernels::queues::{Listed, PathsMut, ShadowsMut};
 use huygens_kernels::rng::Sampler;
-use huygens_kernels::scatter::{self, Cosine, LightsAlone, LightsWeighted, NoLights, Out, Uniform};
+use huygens_kernels::scatter::{Cosine, LightsAlone, LightsWeighted, NoLights, Out, Uniform};
+use huygens_kernels::scatter::{ambient, scatter};
 use huygens_kernels::tables::Tables;
 
 /// What a render does at surfaces.
@@ -92,88 +93,78 @@ impl Program {
 /// Adds what paths find that leave the scene.
 pub(crate) fn sky(
     program: Program,
-    list: &IndexList,
-    paths: Paths,
+    listed: Listed,
     tables: &Tables,
     samples: &mut SampleBuffer,
     dropped: impl FnMut(u32),
 ) {
-    let (index, n, radiance) = (list.padded(), list.len(), &mut samples.columns());
+    let radiance = &mut samples.columns();
     match program {
-        Program::Mis => sky_emission::<true>(index, n, paths, tables, radiance, dropped),
-        _ => sky_emission::<false>(index, n, paths, tables, radiance, dropped),
+        Program::Mis => sky_emission::<true>(listed, tables, radiance, dropped),
+        _ => sky_emission::<false>(listed, tables, radiance, dropped),
     }
 }
 
 /// Adds what surfaces emit towards the paths.
 pub(crate) fn emission(
     program: Program,
-    list: &IndexList,
-    paths: Paths,
-    hits: PathHits,
+    listed: Listed,
     tables: &Tables,
     samples: &mut SampleBuffer,
     dropped: impl FnMut(u32),
 ) {
-    let (index, n, radiance) = (list.padded(), list.len(), &mut samples.columns());
+    let radiance = &mut samples.columns();
     match program {
-        Program::Mis => {
-            surface_emission::<true>(index, n, paths, hits, tables, radiance, dropped);
-        }
-        _ => surface_emission::<false>(index, n, paths, hits, tables, radiance, dropped),
+        Program::Mis => surface_emission::<true>(listed, tables, radiance, dropped),
+        _ => surface_emission::<false>(listed, tables, radiance, dropped),
     }
 }
 
-/// Scatters the listed paths at their surfaces.
+/// Scatters the listed paths at their surfaces, into emptied queues.
 pub(crate) fn surface<S: Sampler>(
     program: Program,
-    list: &IndexList,
-    paths: Paths,
-    hits: PathHits,
+    listed: Listed,
     tables: &Tables,
     sampler: S,
     scattered: &mut Queue<PathsMut<'static>>,
     shadows: &mut Queue<ShadowsMut<'static>>,
     samples: &mut SampleBuffer,
 ) {
-    let (index, n) = (list.padded(), list.len());
     let out = Out {
         paths: scattered.view_mut(),
         shadows: shadows.view_mut(),
         shadow_len: 0,
     };
-    let t = tables;
-    let (scattered_len, shadow_len) = match program {
+    let (paths, occlusion_rays) = match program {
         Program::Uniform => (
-            n,
-            scatter::scatter::<Uniform, NoLights, S>(index, n, paths, hits, t, sampler, out),
+            listed.len,
+            scatter::<Uniform, NoLights, S>(listed, tables, sampler, out),
         ),
         Program::Cosine => (
-            n,
-            scatter::scatter::<Cosine, NoLights, S>(index, n, paths, hits, t, sampler, out),
+            listed.len,
+            scatter::<Cosine, NoLights, S>(listed, tables, sampler, out),
         ),
         Program::Light => (
-            n,
-            scatter::scatter::<Cosine, LightsAlone, S>(index, n, paths, hits, t, sampler, out),
+            listed.len,
+            scatter::<Cosine, LightsAlone, S>(listed, tables, sampler, out),
         ),
         Program::Mis => (
-            n,
-            scatter::scatter::<Cosine, LightsWeighted, S>(index, n, paths, hits, t, sampler, out),
+            listed.len,
+            scatter::<Cosine, LightsWeighted, S>(listed, tables, sampler, out),
         ),
         Program::Ambient { distance, uniform } => {
-            let s = out.shadows;
-            let ambient = if uniform {
-                scatter::ambient::<Uniform, S>
+            let kernel = if uniform {
+                ambient::<Uniform, S>
             } else {
-                scatter::ambient::<Cosine, S>
+                ambient::<Cosine, S>
             };
-            (0, ambient(index, n, paths, hits, t, sampler, distance, s))
+            (0, kernel(listed, tables, sampler, distance, out.shadows))
         }
         Program::Look(what) => {
-            look(what, index, n, paths, hits, t, &mut samples.columns());
+            look(what, listed, tables, &mut samples.columns());
             (0, 0)
         }
     };
-    scattered.set_len(scattered_len);
-    shadows.set_len(shadow_len);
+    scattered.set_len(paths);
+    shadows.set_len(occlusion_rays);
 }

@@ -5,7 +5,7 @@
 
 use super::account::{Tally, for_each_run};
 use huygens_kernels::lanes::LANES;
-use huygens_kernels::queues::{LAST_RAY, PathHits, Paths};
+use huygens_kernels::queues::{LAST_RAY, Listed, PathHits, Paths};
 use huygens_kernels::rays::NO_PRIMITIVE;
 
 /// Indices into the path queue, with room for one vector of padding.
@@ -30,9 +30,14 @@ impl IndexList {
         self.len
     }
 
-    /// The indices, padded to whole vectors by repetitions of the last one.
-    pub(crate) fn padded(&self) -> &[u32] {
-        &self.indices
+    /// The listed paths, padded to whole vectors by repetitions of the last one.
+    pub(crate) fn of<'a>(&'a self, paths: Paths<'a>, hits: PathHits<'a>) -> Listed<'a> {
+        Listed {
+            index: &self.indices,
+            len: self.len,
+            paths,
+            hits,
+        }
     }
 
     fn clear(&mut self) {
