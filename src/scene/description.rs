@@ -1,0 +1,146 @@
+//! What a native scene file says, key by key. `docs/scene-format.md` describes every key to users;
+//! a key that is not declared here is an error.
+
+use super::compiled::Filter;
+use super::transform::Transform;
+use super::values::{
+    Count, FieldOfView, Finite, Natural, NonNegative, OneOrThree, Pixels, Positive, Unit,
+};
+use crate::settings::{Integrator, Strategy};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use toml::Spanned;
+
+/// A whole scene file.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Description {
+    pub(super) name: Option<String>,
+    pub(super) camera: Option<Spanned<Camera>>,
+    pub(super) film: Film,
+    pub(super) settings: Settings,
+    pub(super) sky: Option<Sky>,
+    pub(super) materials: BTreeMap<String, Material>,
+    pub(super) shapes: Vec<Spanned<Shape>>,
+}
+
+/// `[camera]`
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default, rename_all = "snake_case")]
+pub(super) struct Camera {
+    pub(super) origin: Option<Spanned<[Finite; 3]>>,
+    pub(super) target: Option<Spanned<[Finite; 3]>>,
+    pub(super) up: Option<Spanned<[Finite; 3]>>,
+    pub(super) matrix: Option<Spanned<[[Finite; 4]; 4]>>,
+    pub(super) fov: Option<FieldOfView>,
+    pub(super) fov_axis: FovAxis,
+}
+
+/// Which extent of the image the field of view spans.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum FovAxis {
+    #[default]
+    X,
+    Y,
+    Smaller,
+}
+
+/// `[film]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Film {
+    pub(super) width: Pixels,
+    pub(super) height: Pixels,
+    pub(super) filter: Filter,
+}
+
+impl Default for Film {
+    fn default() -> Self {
+        Self {
+            width: Pixels(1280),
+            height: Pixels(720),
+            filter: Filter::Gaussian,
+        }
+    }
+}
+
+/// `[settings]`: what is given replaces the default of [`crate::settings::Settings`].
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Settings {
+    pub(super) integrator: Option<Integrator>,
+    pub(super) strategy: Option<Strategy>,
+    pub(super) spp: Option<Count>,
+    pub(super) max_depth: Option<Natural>,
+    pub(super) roulette: Option<bool>,
+    pub(super) seed: Option<Natural>,
+    pub(super) ao_distance: Option<Positive>,
+}
+
+/// `[sky]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Sky {
+    pub(super) radiance: OneOrThree<NonNegative>,
+}
+
+/// `[materials.NAME]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Material {
+    pub(super) albedo: OneOrThree<Unit>,
+    pub(super) emission: OneOrThree<NonNegative>,
+    pub(super) two_sided: bool,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            albedo: OneOrThree([Unit(0.5); 3]),
+            emission: OneOrThree([NonNegative(0.0); 3]),
+            two_sided: false,
+        }
+    }
+}
+
+/// `[[shapes]]`: exactly one of the first four, which `shapes::kind` checks.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Shape {
+    pub(super) obj: Option<Spanned<String>>,
+    pub(super) rectangle: Option<Rectangle>,
+    #[serde(rename = "box")]
+    pub(super) cuboid: Option<Spanned<Cuboid>>,
+    pub(super) mesh: Option<Spanned<InlineMesh>>,
+    pub(super) material: Option<Spanned<String>>,
+    pub(super) materials: BTreeMap<Spanned<String>, Spanned<String>>,
+    pub(super) transform: Option<Spanned<Transform>>,
+}
+
+/// A parallelogram: a corner and the two edges from it. Its front is where they turn
+/// counter-clockwise from the first to the second.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Rectangle {
+    pub(super) corner: [Finite; 3],
+    pub(super) edges: [[Finite; 3]; 2],
+}
+
+/// An axis-aligned box whose fronts face outwards, or inwards.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Cuboid {
+    pub(super) min: [Finite; 3],
+    pub(super) max: [Finite; 3],
+    #[serde(default)]
+    pub(super) inward: bool,
+}
+
+/// Polygons over shared vertices, indices from 0, counter-clockwise seen from the front.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct InlineMesh {
+    pub(super) vertices: Vec<[Finite; 3]>,
+    pub(super) faces: Vec<Spanned<Vec<Natural>>>,
+}

@@ -1,0 +1,37 @@
+//! The identity of a scene: two files of one hash give one image for equal settings.
+
+use super::compiled::{Filter, Scene};
+
+/// BLAKE3 of the tables that the image depends on, in a fixed order, each with its length. Names,
+/// warnings and settings have no part in it.
+pub(super) fn of(scene: &Scene) -> [u8; 32] {
+    let mut hasher = blake3::Hasher::new();
+    let mut table = |bytes: &[u8]| {
+        hasher.update(&(bytes.len() as u64).to_le_bytes());
+        hasher.update(bytes);
+    };
+    table(b"huygens scene 1");
+    let c = &scene.camera;
+    table(bytemuck::cast_slice(&[c.origin, c.forward, c.right, c.up]));
+    table(bytemuck::cast_slice(&[c.half_width, c.half_height]));
+    let filter = match scene.film.filter {
+        Filter::Box => 0,
+        Filter::Tent => 1,
+        Filter::Gaussian => 2,
+        Filter::BlackmanHarris => 3u32,
+    };
+    table(bytemuck::cast_slice(&[
+        scene.film.width,
+        scene.film.height,
+        filter,
+    ]));
+    table(bytemuck::cast_slice(&scene.mesh.vertices));
+    table(bytemuck::cast_slice(&scene.mesh.indices));
+    table(bytemuck::cast_slice(&scene.mesh.material));
+    for material in &scene.materials {
+        table(bytemuck::cast_slice(&[material.albedo, material.emission]));
+        table(&[u8::from(material.two_sided)]);
+    }
+    table(bytemuck::cast_slice(scene.sky.as_slice()));
+    *hasher.finalize().as_bytes()
+}
