@@ -302,3 +302,68 @@ fn uniform(rng: &mut impl Rng) -> f64 {
 fn vector(v: [f32; 3]) -> DVec3 {
     DVec3::from_array(v.map(f64::from))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::Running;
+
+    #[test]
+    fn filter_offsets_have_the_moments_of_their_density() {
+        // Densities as in the windows' own definitions, over their whole support.
+        let gaussian = |x: f64| (-2.0 * x * x).exp();
+        let blackman_harris = |x: f64| {
+            let n = (x / 1.65 + 1.0) * PI;
+            0.35875 - 0.48829 * n.cos() + 0.14128 * (2.0 * n).cos() - 0.01168 * (3.0 * n).cos()
+        };
+        let variance = |f: &dyn Fn(f64) -> f64, radius: f64| {
+            let (mut weight, mut square) = (0.0, 0.0);
+            for i in 0..10_000 {
+                let x = radius * ((f64::from(i) + 0.5) / 5_000.0 - 1.0);
+                weight += f(x);
+                square += f(x) * x * x;
+            }
+            square / weight
+        };
+        for (filter, expected) in [
+            (Filter::Box, 1.0 / 12.0),
+            (Filter::Tent, 1.0 / 6.0),
+            (Filter::Gaussian, variance(&gaussian, 1.5)),
+            (Filter::BlackmanHarris, variance(&blackman_harris, 1.65)),
+        ] {
+            let mut rng = generator([7, filter as u32, 0, 0]);
+            let (mut first, mut second) = (Running::new(), Running::new());
+            for _ in 0..100_000 {
+                let x = filter_offset(filter, &mut rng);
+                first.push(x);
+                second.push(x * x);
+            }
+            // Eight tests at 1e-5 together: 4.8 standard errors each; the quadrature is exact to
+            // 1e-8, far below those (1e-3 of the variance).
+            let level = 1.0 - 1e-5 / 8.0;
+            for (moment, expected) in [(first, 0.0), (second, expected)] {
+                let [low, high] = moment.confidence_interval(level).unwrap();
+                assert!(
+                    low <= expected && expected <= high,
+                    "{filter:?}: {moment:?}, {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn generators_of_neighbours_are_unrelated() {
+        // First numbers of 64 x 64 neighbouring pixels and samples: mean and correlation.
+        let first = |x, s| uniform(&mut generator([0, x, 3, s])) - 0.5;
+        let products: Running = (0..64)
+            .flat_map(|x| (0..64).map(move |s| first(x, s) * first(x, s + 1)))
+            .collect();
+        let values: Running = (0..64)
+            .flat_map(|x| (0..64).map(move |s| first(x, s)))
+            .collect();
+        for moment in [products, values] {
+            let [low, high] = moment.confidence_interval(1.0 - 1e-5).unwrap();
+            assert!(low <= 0.0 && 0.0 <= high, "{moment:?}");
+        }
+    }
+}
