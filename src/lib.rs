@@ -16,8 +16,10 @@
 //! # }
 //! ```
 
+pub mod estimate;
 pub mod film;
 pub mod geometry;
+pub mod reference;
 pub mod scene;
 pub mod settings;
 pub mod wave;

@@ -1,0 +1,369 @@
+//! The oracle: a scalar, recursive path tracer in f64 that the wave is tested against.
+//!
+//! It estimates the rendering equation (J. Kajiya, SIGGRAPH 1986) as textbooks first write it,
+//!
+//! ```text
+//! Li(ray, depth) = Le + f(omega_o, omega_i) * cos_theta_i * Li(next ray, depth + 1) / pdf(omega_i)
+//! ```
+//!
+//! with one direction from the hemisphere at every surface, no next-event estimation, no roulette,
+//! no queue and no acceleration structure: every ray is tested against every triangle, so it is
+//! for scenes of a few hundred triangles at most. It shares no code with the kernels, on purpose:
+//! triangle test, frame, sampling, filter, camera and random numbers are its own.
+//!
+//! What it means by its words is what the wave means: a path scatters at most
+//! [`Settings::depth_limit`] times, and 0 shows emission only; a surface emits from its front, from
+//! both sides if its material says so; Lambertian surfaces reflect on both sides; a ray that meets
+//! nothing sees the sky.
+
+use crate::film::{Job, SampleBuffer};
+use crate::scene::{Filter, Scene};
+use crate::settings::{Settings, Strategy};
+use glam::DVec3;
+use rand_pcg::Pcg64;
+use rand_pcg::rand_core::Rng;
+use std::f64::consts::{PI, TAU};
+
+/// Deepest recursion: about half of a thread's usual stack of 2 MiB. What is cut at an albedo of
+/// 0.99 is below e^-40 of the answer.
+const DEEPEST: u32 = Settings::CUT_WITHOUT_ROULETTE;
+
+/// The reference renderer of one scene.
+#[derive(Debug)]
+pub struct Reference<'a> {
+    scene: &'a Scene,
+    triangles: Vec<Triangle>,
+    sky: DVec3,
+    seed: u32,
+    max_depth: u32,
+    uniform: bool,
+    nearest: f64,
+}
+
+#[derive(Debug)]
+struct Triangle {
+    corner: DVec3,
+    edges: [DVec3; 2],
+    normal: DVec3,
+    albedo: DVec3,
+    emission: DVec3,
+    two_sided: bool,
+}
+
+struct Ray {
+    origin: DVec3,
+    direction: DVec3,
+    leaves: Option<usize>,
+}
+
+struct Hit {
+    triangle: usize,
+    t: f64,
+}
+
+impl<'a> Reference<'a> {
+    /// Prepares `scene`. Of `settings` it follows `seed`, the depth limit (at most
+    /// [`Settings::CUT_WITHOUT_ROULETTE`], since each level is a level of recursion) and
+    /// `strategy`: `uniform` draws directions uniformly; all others draw them by the cosine, for
+    /// the reference looks for light on the hemisphere only.
+    #[must_use]
+    pub fn new(scene: &'a Scene, settings: &Settings) -> Self {
+        let mesh = &scene.mesh;
+        let triangles = (0..mesh.triangles()).map(|i| {
+            let [a, b, c] = mesh.corners(i).map(vector);
+            let material = &scene.materials[mesh.material[i] as usize];
+            Triangle {
+                corner: a,
+                edges: [b - a, c - a],
+                normal: (b - a).cross(c - a).normalize(),
+                albedo: vector(material.albedo),
+                emission: vector(material.emission),
+                two_sided: material.two_sided,
+            }
+        });
+        let unbounded = Settings {
+            roulette: false,
+            ..settings.clone()
+        };
+        let extent = mesh
+            .vertices
+            .iter()
+            .flatten()
+            .fold(0.0f32, |m, c| m.max(c.abs()));
+        Self {
+            scene,
+            triangles: triangles.collect(),
+            sky: vector(scene.sky.unwrap_or_default()),
+            seed: settings.seed,
+            max_depth: unbounded.depth_limit().min(DEEPEST),
+            uniform: settings.strategy == Strategy::Uniform,
+            // A hit point is off its plane by a few roundings of the largest coordinate: 2^-48 of
+            // that covers them sixteenfold, and lies as far below what f32 vertices resolve as
+            // those lie below 1.
+            nearest: f64::from(extent) * (-48f64).exp2(),
+        }
+    }
+
+    /// One estimate of the radiance (W/m^2/sr; red, green, blue) that arrives at `origin` against
+    /// the unit vector `direction`, after `depth` scattering events: 0 for a camera ray.
+    pub fn li(
+        &self,
+        rng: &mut impl Rng,
+        origin: [f64; 3],
+        direction: [f64; 3],
+        depth: u32,
+    ) -> [f64; 3] {
+        let ray = Ray {
+            origin: origin.into(),
+            direction: direction.into(),
+            leaves: None,
+        };
+        self.radiance(rng, &ray, depth).into()
+    }
+
+    fn radiance(&self, rng: &mut impl Rng, ray: &Ray, depth: u32) -> DVec3 {
+        let Some(hit) = self.closest(ray) else {
+            return self.sky;
+        };
+        let surface = &self.triangles[hit.triangle];
+        let front = ray.direction.dot(surface.normal) < 0.0;
+        let emitted = if front || surface.two_sided {
+            surface.emission
+        } else {
+            DVec3::ZERO
+        };
+        if depth >= self.max_depth || surface.albedo == DVec3::ZERO {
+            return emitted;
+        }
+        let normal = if front {
+            surface.normal
+        } else {
+            -surface.normal
+        };
+        let (omega_i, pdf) = self.sample_hemisphere(rng, normal);
+        let next = Ray {
+            origin: ray.origin + hit.t * ray.direction,
+            direction: omega_i,
+            leaves: Some(hit.triangle),
+        };
+        let brdf = surface.albedo / PI;
+        emitted + brdf * self.radiance(rng, &next, depth + 1) * (omega_i.dot(normal) / pdf)
+    }
+
+    /// A unit vector on the side of `normal` and its pdf in solid angle, which is positive.
+    fn sample_hemisphere(&self, rng: &mut impl Rng, normal: DVec3) -> (DVec3, f64) {
+        let (u, phi) = (1.0 - uniform(rng), TAU * uniform(rng)); // u in (0, 1]
+        let (cos, pdf) = if self.uniform {
+            (u, 1.0 / TAU)
+        } else {
+            (u.sqrt(), u.sqrt() / PI)
+        };
+        let sin = (1.0 - cos * cos).sqrt();
+        let (tangent, bitangent) = normal.any_orthonormal_pair();
+        let local = (sin * phi.cos(), sin * phi.sin());
+        (tangent * local.0 + bitangent * local.1 + normal * cos, pdf)
+    }
+
+    /// The closest hit over all triangles.
+    ///
+    /// A ray that leaves a surface meets neither the triangle that it leaves nor anything nearer
+    /// than the rounding of its origin.
+    #[inline(never)] // keeps what the recursion puts on the stack small
+    fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let nearest = if ray.leaves.is_some() {
+            self.nearest
+        } else {
+            0.0
+        };
+        let mut closest: Option<Hit> = None;
+        for (i, triangle) in self.triangles.iter().enumerate() {
+            let farthest = closest.as_ref().map_or(f64::INFINITY, |hit| hit.t);
+            if let Some(t) = triangle.intersect(ray)
+                && nearest < t
+                && t < farthest
+                && ray.leaves != Some(i)
+            {
+                closest = Some(Hit { triangle: i, t });
+            }
+        }
+        closest
+    }
+
+    /// The camera ray through a point of the film, in pixels from its top left corner.
+    fn camera_ray(&self, x: f64, y: f64) -> Ray {
+        let (camera, film) = (&self.scene.camera, &self.scene.film);
+        let right = f64::from(camera.half_width) * (2.0 * x / f64::from(film.width) - 1.0);
+        let up = f64::from(camera.half_height) * (1.0 - 2.0 * y / f64::from(film.height));
+        let direction =
+            vector(camera.forward) + right * vector(camera.right) + up * vector(camera.up);
+        Ray {
+            origin: vector(camera.origin),
+            direction: direction.normalize(),
+            leaves: None,
+        }
+    }
+
+    /// Renders the samples of `job` into their slots of `out`, which must have room for them.
+    ///
+    /// A sample is a function of (seed, pixel, sample index) alone, so the image does not depend
+    /// on how it is cut into jobs.
+    pub fn render_job(&self, job: &Job, out: &mut SampleBuffer) {
+        let mut slot = 0;
+        for y in job.tile.y..job.tile.y + job.tile.height {
+            for x in job.tile.x..job.tile.x + job.tile.width {
+                for sample in job.first_sample..job.first_sample + job.samples {
+                    let radiance = self.render_sample(x, y, sample);
+                    for (column, value) in out.radiance.iter_mut().zip(radiance) {
+                        column[slot] = value as f32;
+                    }
+                    slot += 1;
+                }
+            }
+        }
+    }
+
+    /// Radiance of one camera sample of pixel (`x`, `y`), from the top left corner.
+    #[must_use]
+    pub fn render_sample(&self, x: u32, y: u32, sample: u32) -> [f64; 3] {
+        let mut rng = generator([self.seed, x, y, sample]);
+        let filter = self.scene.film.filter;
+        let x = f64::from(x) + 0.5 + filter_offset(filter, &mut rng);
+        let y = f64::from(y) + 0.5 + filter_offset(filter, &mut rng);
+        self.radiance(&mut rng, &self.camera_ray(x, y), 0).into()
+    }
+}
+
+impl Triangle {
+    /// Ray parameter of the plane's hit if it lies in the triangle, edges included (T. Moeller,
+    /// B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997).
+    fn intersect(&self, ray: &Ray) -> Option<f64> {
+        let [e1, e2] = self.edges;
+        let p = ray.direction.cross(e2);
+        let s = ray.origin - self.corner;
+        let q = s.cross(e1);
+        let determinant = e1.dot(p);
+        let u = s.dot(p) / determinant;
+        let v = ray.direction.dot(q) / determinant;
+        let t = e2.dot(q) / determinant;
+        // A ray in the plane gives 0 / 0 or infinities, and no comparison with those holds.
+        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t < f64::INFINITY).then_some(t)
+    }
+}
+
+/// An offset from the pixel's centre with the filter's density, by rejection.
+fn filter_offset(filter: Filter, rng: &mut impl Rng) -> f64 {
+    let radius = match filter {
+        Filter::Box => 0.5,
+        Filter::Tent => 1.0,
+        Filter::Gaussian => 1.5,
+        Filter::BlackmanHarris => 1.65,
+    };
+    loop {
+        let x = radius * (2.0 * uniform(rng) - 1.0);
+        let height = match filter {
+            Filter::Box => 1.0,
+            Filter::Tent => 1.0 - x.abs(),
+            Filter::Gaussian => (-0.5 * (x / 0.5).powi(2)).exp(),
+            Filter::BlackmanHarris => {
+                let a = PI * x / radius;
+                0.35875 + 0.48829 * a.cos() + 0.14128 * (2.0 * a).cos() + 0.01168 * (3.0 * a).cos()
+            }
+        };
+        if uniform(rng) < height {
+            return x;
+        }
+    }
+}
+
+/// A generator for four words: started where SplitMix64's finalizer scatters them.
+fn generator(words: [u32; 4]) -> Pcg64 {
+    let mut state = [0u64; 2];
+    for word in words {
+        let mixed = mix(state[1] ^ u64::from(word));
+        state = [state[1], mixed];
+    }
+    let join = |a: u64, b: u64| (u128::from(a) << 64) | u128::from(b);
+    Pcg64::new(join(state[1], state[0]), join(state[0], state[1]))
+}
+
+/// G. Steele, D. Lea, C. Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
+fn mix(z: u64) -> u64 {
+    let z = z.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// Uniform on the multiples of 2^-53 in [0, 1).
+fn uniform(rng: &mut impl Rng) -> f64 {
+    (rng.next_u64() >> 11) as f64 * (-53f64).exp2()
+}
+
+fn vector(v: [f32; 3]) -> DVec3 {
+    DVec3::from_array(v.map(f64::from))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::Running;
+
+    #[test]
+    fn filter_offsets_have_the_moments_of_their_density() {
+        // Densities as in the windows' own definitions, over their whole support.
+        let gaussian = |x: f64| (-2.0 * x * x).exp();
+        let blackman_harris = |x: f64| {
+            let n = (x / 1.65 + 1.0) * PI;
+            0.35875 - 0.48829 * n.cos() + 0.14128 * (2.0 * n).cos() - 0.01168 * (3.0 * n).cos()
+        };
+        let variance = |f: &dyn Fn(f64) -> f64, radius: f64| {
+            let (mut weight, mut square) = (0.0, 0.0);
+            for i in 0..10_000 {
+                let x = radius * ((f64::from(i) + 0.5) / 5_000.0 - 1.0);
+                weight += f(x);
+                square += f(x) * x * x;
+            }
+            square / weight
+        };
+        for (filter, expected) in [
+            (Filter::Box, 1.0 / 12.0),
+            (Filter::Tent, 1.0 / 6.0),
+            (Filter::Gaussian, variance(&gaussian, 1.5)),
+            (Filter::BlackmanHarris, variance(&blackman_harris, 1.65)),
+        ] {
+            let mut rng = generator([7, filter as u32, 0, 0]);
+            let (mut first, mut second) = (Running::new(), Running::new());
+            for _ in 0..100_000 {
+                let x = filter_offset(filter, &mut rng);
+                first.push(x);
+                second.push(x * x);
+            }
+            // Eight tests at 1e-5 together: 4.8 standard errors each; the quadrature is exact to
+            // 1e-8, far below those (1e-3 of the variance).
+            let level = 1.0 - 1e-5 / 8.0;
+            for (moment, expected) in [(first, 0.0), (second, expected)] {
+                let [low, high] = moment.confidence_interval(level).unwrap();
+                assert!(
+                    low <= expected && expected <= high,
+                    "{filter:?}: {moment:?}, {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn generators_of_neighbours_are_unrelated() {
+        // First numbers of 64 x 64 neighbouring pixels and samples: mean and correlation.
+        let first = |x, s| uniform(&mut generator([0, x, 3, s])) - 0.5;
+        let products: Running = (0..64)
+            .flat_map(|x| (0..64).map(move |s| first(x, s) * first(x, s + 1)))
+            .collect();
+        let values: Running = (0..64)
+            .flat_map(|x| (0..64).map(move |s| first(x, s)))
+            .collect();
+        for moment in [products, values] {
+            let [low, high] = moment.confidence_interval(1.0 - 1e-5).unwrap();
+            assert!(low <= 0.0 && 0.0 <= high, "{moment:?}");
+        }
+    }
+}
