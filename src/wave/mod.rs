@@ -11,46 +11,28 @@ mod control;
 mod generate;
 mod intersect;
 mod queue;
+mod render;
 mod roulette;
 mod scheduler;
+mod setup;
 mod shade;
 mod sort;
 mod tables;
 
 pub use account::{BounceStats, Dropped, RenderStats, StageStats};
 pub use control::Control;
+pub use render::render;
 
-use crate::film::{Film, Job, SampleBuffer, filter};
-use crate::geometry::Geometry;
-use crate::scene::Scene;
-use crate::settings::Settings;
+use crate::film::{Job, SampleBuffer};
 use account::{Account, Stage, Tally};
 use generate::Source;
-use huygens_kernels::camera::Lens;
 use huygens_kernels::compact::Kept;
 use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
-use huygens_kernels::rng::Independent;
-use huygens_kernels::roulette::Rules;
-use huygens_kernels::tables::Tables;
 use queue::Queue;
-use shade::Program;
-use sort::{Lists, Wanted};
+use setup::Setup;
+use sort::Lists;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
-use tables::SceneTables;
-
-/// What all workers of a render share: the scene as tables, and the stages' settings.
-struct Setup<'a> {
-    geometry: &'a Geometry,
-    tables: Tables<'a>,
-    emits: Vec<bool>,
-    lens: Lens<'a>,
-    sampler: Independent,
-    program: Program,
-    wanted: Wanted,
-    rules: Rules,
-    capacity: usize,
-}
 
 /// One worker's wave: its queues, allocated once.
 struct Wave<'a> {
@@ -208,84 +190,5 @@ impl scheduler::Worker for Wave<'_> {
         for &at in samples {
             self.account.drop_sample("film", at);
         }
-    }
-}
-
-/// Renders all samples of `settings` onto `film`, which has the size of the scene's film or any
-/// other. Returns early, with whole samples only on the film, when `control` is stopped.
-pub fn render(
-    scene: &Scene,
-    geometry: &Geometry,
-    settings: &Settings,
-    film: &Film,
-    control: &Control,
-) -> RenderStats {
-    let start = Instant::now();
-    let scene_tables = SceneTables::new(scene);
-    let distance = settings
-        .ao_distance
-        .unwrap_or(0.1 * tables::diagonal(&scene.mesh) as f32);
-    let program = Program::new(
-        settings.integrator,
-        settings.strategy,
-        scene_tables.has_lights(),
-        distance,
-    );
-    let Some(program) = program else {
-        unimplemented!("the reference tracer")
-    };
-    let (width, height) = film.size();
-    let sky = scene.sky.is_some_and(|sky| tables::luminance(sky) > 0.0);
-    let limit = if program.is_transport() {
-        settings.depth_limit()
-    } else {
-        1
-    };
-    let filter = filter::table(scene.film.filter);
-    let setup = Setup {
-        geometry,
-        tables: scene_tables.view(scene),
-        emits: scene
-            .materials
-            .iter()
-            .map(crate::scene::Material::emits)
-            .collect(),
-        lens: Lens {
-            camera: tables::pixel_camera(&scene.camera, width, height),
-            filter: &filter,
-            last_ray: limit == 0,
-        },
-        sampler: Independent {
-            seed: settings.seed,
-        },
-        program,
-        wanted: program.wanted(sky),
-        rules: Rules {
-            random: settings.roulette,
-            limit,
-            last_ray: program.last_ray_is_of_use(),
-        },
-        capacity: settings.wave.max(1),
-    };
-    let workers = scheduler::run(film, settings.spp, settings.threads, control, || {
-        Wave::new(&setup)
-    });
-    let mut account = Account::new();
-    for worker in &workers {
-        account.merge(&worker.account);
-    }
-    let (camera_rays, bounce_rays, shadow_rays) = account.rays();
-    let (stages, dropped) = account.report();
-    RenderStats {
-        seconds: start.elapsed().as_secs_f64(),
-        threads: workers.len(),
-        samples: control.samples.load(Ordering::Relaxed),
-        camera_rays,
-        bounce_rays,
-        shadow_rays,
-        mean_depth: bounce_rays as f64 / camera_rays.max(1) as f64,
-        stopped: control.stop.load(Ordering::Relaxed),
-        stages,
-        dropped,
     }
 }

@@ -8,6 +8,7 @@
 
 use super::Control;
 use crate::film::{Film, Job, SampleBuffer};
+use crate::settings::Settings;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Whoever turns jobs into samples: a worker's own.
@@ -72,15 +73,14 @@ impl<'a> Jobs<'a> {
     }
 }
 
-/// Runs all jobs on `threads` workers (0: one for each core) and returns the workers.
+/// Runs all jobs of `settings` on its threads, a worker each, and returns the workers.
 pub(crate) fn run<W: Worker>(
     film: &Film,
-    spp: u32,
-    threads: usize,
+    settings: &Settings,
     control: &Control,
     worker: impl Fn() -> W + Sync,
 ) -> Vec<W> {
-    let jobs = Jobs::new(film, spp);
+    let jobs = Jobs::new(film, settings.spp);
     let next = AtomicUsize::new(0);
     let work = || {
         let mut worker = worker();
@@ -102,7 +102,10 @@ pub(crate) fn run<W: Worker>(
         }
         worker
     };
-    match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+    match rayon::ThreadPoolBuilder::new()
+        .num_threads(settings.threads)
+        .build()
+    {
         Ok(pool) => pool.broadcast(|_| work()),
         // No thread can be started: this one still can work.
         Err(_) => vec![work()],

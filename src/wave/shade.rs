@@ -37,15 +37,14 @@ pub(crate) enum Program {
 
 impl Program {
     /// The program of an integrator and a strategy, for a scene with or without lights to sample.
-    /// `None`: not a wave's work.
     pub(crate) fn new(
         integrator: Integrator,
         strategy: Strategy,
         has_lights: bool,
         ao_distance: f32,
-    ) -> Option<Self> {
-        Some(match integrator {
-            Integrator::Path | Integrator::Direct => match strategy {
+    ) -> Self {
+        match integrator {
+            Integrator::Path | Integrator::Direct | Integrator::Reference => match strategy {
                 Strategy::Uniform => Self::Uniform,
                 // Nothing to sample: what is left of both is the cosine.
                 Strategy::Light | Strategy::Mis if !has_lights => Self::Cosine,
@@ -60,8 +59,7 @@ impl Program {
             Integrator::Normals => Self::Look(Look::Normals),
             Integrator::Depth => Self::Look(Look::Depth),
             Integrator::Albedo => Self::Look(Look::Albedo),
-            Integrator::Reference => return None,
-        })
+        }
     }
 
     /// Whether a ray that scatters no more can still find light.
