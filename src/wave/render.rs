@@ -12,8 +12,11 @@ use crate::settings::{Integrator, Settings};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Renders all samples of `settings` onto `film`, which has the size of the scene's film or any
-/// other. Returns early, with whole samples only on the film, when `control` is stopped.
+/// Renders all samples of `settings` onto `film`, which has the size of the scene's film. Returns
+/// early, with whole samples only on the film, when `control` is stopped.
+///
+/// # Panics
+/// If `film` is of another size than the scene says.
 pub fn render(
     scene: &Scene,
     geometry: &Geometry,
@@ -22,6 +25,8 @@ pub fn render(
     control: &Control,
 ) -> RenderStats {
     let start = Instant::now();
+    let size = (scene.film.width, scene.film.height);
+    assert_eq!(film.size(), size, "the film is not the scene's");
     let (account, threads) = if settings.integrator == Integrator::Reference {
         let reference = Reference::new(scene, settings);
         let run = || Oracle::new(&reference);
@@ -29,7 +34,7 @@ pub fn render(
     } else {
         let tables = SceneTables::new(scene);
         let filter = filter::table(scene.film.filter);
-        let setup = Setup::new(scene, &tables, geometry, settings, &filter, film.size());
+        let setup = Setup::new(scene, &tables, geometry, settings, &filter);
         accounts(
             scheduler::run(film, settings, control, || Wave::new(&setup)),
             |w| w.account,

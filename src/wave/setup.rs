@@ -25,14 +25,13 @@ pub(crate) struct Setup<'a> {
 }
 
 impl<'a> Setup<'a> {
-    /// Assembles the wave for images of `size` pixels through the pixel filter of table `filter`.
+    /// Assembles the wave. `filter` is the table of the scene's pixel filter.
     pub(crate) fn new(
         scene: &'a Scene,
         scene_tables: &'a SceneTables,
         geometry: &'a Geometry,
         settings: &Settings,
         filter: &'a [f32],
-        size: (u32, u32),
     ) -> Self {
         let tenth = 0.1 * tables::diagonal(&scene.mesh) as f32;
         let program = Program::new(
@@ -56,7 +55,7 @@ impl<'a> Setup<'a> {
                 .map(crate::scene::Material::emits)
                 .collect(),
             lens: Lens {
-                camera: tables::pixel_camera(&scene.camera, size.0, size.1),
+                camera: tables::pixel_camera(&scene.camera, scene.film.width, scene.film.height),
                 filter,
                 last_ray: limit == 0,
             },
