@@ -9,9 +9,14 @@
 //! is padded to a multiple of [`lanes::LANES`]; what lies in the padding is unspecified and never
 //! reaches a result.
 
+pub mod bvh;
 pub mod hemisphere;
 pub mod lanes;
 pub mod math;
+pub mod order;
 pub mod rays;
 pub mod rng;
+pub mod slabs;
+pub mod traverse;
+pub mod triangle;
 pub mod vec3;
