@@ -10,6 +10,7 @@
 //! reaches a result.
 
 pub mod accumulate;
+pub mod bvh;
 pub mod camera;
 pub mod compact;
 pub mod emission;
@@ -20,12 +21,16 @@ pub mod light;
 pub mod look;
 pub mod math;
 pub mod mis;
+pub mod order;
 pub mod queues;
 pub mod rays;
 pub mod rng;
 pub mod roulette;
 pub mod scatter;
+pub mod slabs;
 pub mod soa;
 pub mod surface;
 pub mod tables;
+pub mod traverse;
+pub mod triangle;
 pub mod vec3;

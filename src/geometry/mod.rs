@@ -1,29 +1,169 @@
 //! What rays meet. Everything above sees only [`Geometry`].
+//!
+//! Triangles -> boxes -> binary tree (`build`, `ploc`) -> eight children a node (`collapse`) ->
+//! tables (`layout`), which the kernels walk.
+
+mod build;
+mod collapse;
+mod layout;
+mod ploc;
 
 use crate::scene::Mesh;
+use build::Binary;
+use collapse::Collapse;
+use huygens_kernels::bvh::{Block, Bvh, Node};
 use huygens_kernels::rays::{Hits, Rays, Segments};
+use huygens_kernels::traverse;
+use layout::Layout;
 
 /// The acceleration structure over a mesh.
-#[derive(Debug)]
-pub struct Geometry {}
+#[derive(Debug, Default)]
+pub struct Geometry {
+    layout: Layout,
+    bounds: Option<[[f32; 3]; 2]>,
+}
 
 impl Geometry {
-    /// Builds over all triangles of `mesh`, deterministically, on the current rayon pool.
+    /// Builds over all triangles of `mesh`, deterministically, on the current rayon pool: the
+    /// tables are the same, byte for byte, for any number of threads.
+    ///
+    /// Triangles with a corner that is not finite are left out. Any other input builds in
+    /// O(n log n), and [`Geometry::depth`] has a bound.
+    ///
+    /// # Panics
+    /// On a vertex index outside the mesh, and on more than about 2^29 triangles.
     #[must_use]
     pub fn build(mesh: &Mesh) -> Self {
-        let _ = mesh;
-        Self {}
+        let mut tree = Binary::build(mesh);
+        if tree.nodes.is_empty() {
+            return Self::default();
+        }
+        let collapse = Collapse::new(&mut tree);
+        let root = collapse.aabb(0);
+        Self {
+            layout: Layout::new(mesh, &collapse),
+            bounds: Some([root.min.to_array(), root.max.to_array()]),
+        }
     }
 
     /// Closest hit of each ray.
-    pub fn closest(&self, rays: Rays, hits: Hits) {
-        let _ = (rays, hits);
-        unimplemented!("written by the geometry room")
+    pub fn closest(&self, rays: Rays, mut hits: Hits) {
+        traverse::closest(self.bvh(), rays, &mut hits);
     }
 
     /// For each segment: 1 if something lies on it, 0 if its ends see each other.
     pub fn occluded(&self, segments: Segments, occluded: &mut [u32]) {
-        let _ = (segments, occluded);
-        unimplemented!("written by the geometry room")
+        traverse::occluded(self.bvh(), segments, occluded);
+    }
+
+    fn bvh(&self) -> Bvh<'_> {
+        Bvh {
+            nodes: &self.layout.nodes,
+            blocks: &self.layout.blocks,
+        }
+    }
+
+    /// Lowest and highest corner of the box around everything, if there is anything.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[[f32; 3]; 2]> {
+        self.bounds
+    }
+
+    /// Nodes of the tree, eight children each.
+    #[must_use]
+    pub fn nodes(&self) -> usize {
+        self.layout.nodes.len()
+    }
+
+    /// Blocks of four triangles.
+    #[must_use]
+    pub fn blocks(&self) -> usize {
+        self.layout.blocks.len()
+    }
+
+    /// Triangles in the tree's leaves.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        self.layout.triangles
+    }
+
+    /// Nodes on the longest path from the root to a leaf, at most
+    /// [`huygens_kernels::bvh::MAX_DEPTH`].
+    #[must_use]
+    pub fn depth(&self) -> usize {
+        self.layout.depth
+    }
+
+    /// Expected cost of a ray that meets the scene's box, by the surface area heuristic: nodes
+    /// tested, plus 0.6 for each block.
+    #[must_use]
+    pub fn sah_cost(&self) -> f64 {
+        self.layout.sah
+    }
+
+    /// Bytes held, by table.
+    #[must_use]
+    pub fn memory(&self) -> Vec<(&'static str, usize)> {
+        vec![
+            ("bvh nodes", self.nodes() * size_of::<Node>()),
+            ("bvh triangles", self.blocks() * size_of::<Block>()),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A wavy sheet of `2 n^2` triangles with some very long ones among them.
+    fn sheet(n: u32) -> Mesh {
+        let height = |x: u32, y: u32| ((x * 31 + y * 17) % 23) as f32 * 0.1;
+        let mut mesh = Mesh::default();
+        for y in 0..=n {
+            for x in 0..=n {
+                mesh.vertices.push([x as f32, height(x, y), y as f32]);
+            }
+        }
+        for y in 0..n {
+            for x in 0..n {
+                let i = y * (n + 1) + x;
+                let far = if (x + y) % 97 == 0 { 0 } else { i + 1 };
+                mesh.indices.push([i, i + n + 1, far]);
+                mesh.indices.push([i + 1, i + n + 1, i + n + 2]);
+            }
+        }
+        mesh.material = vec![0; mesh.indices.len()];
+        mesh
+    }
+
+    #[test]
+    fn tables_are_the_same_for_any_number_of_threads() {
+        let mesh = sheet(150);
+        let build = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let geometry = pool.build().unwrap().install(|| Geometry::build(&mesh));
+            let layout = geometry.layout;
+            let nodes: &[u8] = bytemuck::cast_slice(&layout.nodes);
+            let blocks: &[u8] = bytemuck::cast_slice(&layout.blocks);
+            (blake3::hash(nodes), blake3::hash(blocks))
+        };
+        let one = build(1);
+        for threads in [2, 3, 5] {
+            assert_eq!(build(threads), one, "{threads} threads");
+        }
+    }
+
+    #[test]
+    fn every_triangle_is_in_a_leaf_once() {
+        let mesh = sheet(40);
+        let geometry = Geometry::build(&mesh);
+        let mut seen = vec![0; mesh.triangles()];
+        for block in &geometry.layout.blocks {
+            let mut lanes = block.primitive.to_array().to_vec();
+            lanes.dedup();
+            lanes.iter().for_each(|&i| seen[i as usize] += 1);
+        }
+        assert!(seen.iter().all(|&n| n == 1));
+        assert_eq!(geometry.triangles(), mesh.triangles());
     }
 }
