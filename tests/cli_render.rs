@@ -55,7 +55,10 @@ fn without_an_output_it_writes_both_formats_beside_where_it_runs() {
     let folder = folder();
     let summary = rendered(folder.path(), &[]);
     assert_eq!(names(folder.path()), ["a.exr", "a.mtl", "a.obj", "a.png"]);
-    assert!(summary.starts_with("a: --size 20x12 --spp 3 "), "{summary}");
+    assert!(
+        summary.starts_with("a\n  settings --size 20x12 --spp 3 "),
+        "{summary}"
+    );
     assert!(
         summary.ends_with("  wrote    a.exr\n  wrote    a.png\n"),
         "{summary}"
@@ -192,6 +195,16 @@ fn a_missing_material_file_warns_once_and_strict_refuses_it() {
 }
 
 #[test]
+fn of_an_option_given_twice_the_last_counts() {
+    let folder = folder();
+    rendered(folder.path(), &["-o", "a.exr", "--size", "7x5"]);
+    assert_eq!(
+        (exr(folder.path()).width, exr(folder.path()).height),
+        (7, 5)
+    );
+}
+
+#[test]
 fn options_that_do_nothing_are_named() {
     let folder = folder();
     let output = render(
@@ -215,70 +228,4 @@ fn a_missing_scene_is_wrong_input_and_leaves_nothing() {
     assert!(stderr.starts_with("error: "), "{stderr}");
     assert_eq!(output.status.code(), Some(2));
     assert!(names(folder.path()).is_empty());
-}
-
-#[test]
-fn an_image_beyond_all_memory_is_refused() {
-    let folder = folder();
-    let output = render(folder.path(), &["--size", "65535x65535"]);
-    // Eighty-four bytes a pixel, for the film and the image.
-    let expected = "error: an image of 65535 x 65535 pixels needs 361 GB of memory, more than this \
-                    machine has\n";
-    if output.status.code() == Some(2) {
-        assert_eq!(String::from_utf8_lossy(&output.stderr), expected);
-    } else {
-        eprintln!("skipped: this machine promises 361 GB");
-    }
-}
-
-/// The first interrupt stops the render at once; what is there is written, and the rest is black.
-#[cfg(unix)]
-#[test]
-fn an_interrupt_writes_what_is_there() {
-    use std::time::{Duration, Instant};
-    let folder = folder();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_huygens"));
-    command
-        .current_dir(folder.path())
-        .args(["render", "a.obj", "--size", "20x12"]);
-    command.args([
-        "--spp",
-        "2147483647",
-        "-o",
-        "a.exr",
-        "--variance",
-        "--stats",
-        "s.json",
-    ]);
-    command
-        .stderr(std::process::Stdio::piped())
-        .stdout(std::process::Stdio::null());
-    let child = command.spawn().expect("huygens runs");
-    std::thread::sleep(Duration::from_secs(1));
-    // SAFETY: kill takes two numbers and touches no memory; the child has not been waited for, so
-    // its id is still its own.
-    assert_eq!(unsafe { libc::kill(child.id() as i32, libc::SIGINT) }, 0);
-    let interrupted = Instant::now();
-    let output = child.wait_with_output().expect("it ends");
-    let stderr = String::from_utf8(output.stderr).expect("text");
-    assert_eq!(output.status.code(), Some(130), "{stderr}");
-    assert!(
-        interrupted.elapsed() < Duration::from_secs(5),
-        "it took {:?}",
-        interrupted.elapsed()
-    );
-    assert!(
-        stderr.contains(" of 2147483647 samples a pixel\n"),
-        "{stderr}"
-    );
-    let image = exr(folder.path());
-    let samples = image.samples.expect("asked for");
-    assert!(samples.iter().any(|&n| n > 0));
-    for (pixel, n) in image.rgb.iter().zip(samples) {
-        assert!(n > 0 || *pixel == [0.0; 3]);
-    }
-    let text = std::fs::read_to_string(folder.path().join("s.json")).expect("written");
-    let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
-    assert_eq!(stats["interrupted"], true);
-    assert_eq!(names(folder.path()), ["a.exr", "a.mtl", "a.obj", "s.json"]);
 }

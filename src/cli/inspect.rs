@@ -14,6 +14,7 @@ use std::path::Path;
 
 /// Show what a scene holds and what it needs, without rendering it
 #[derive(Debug, clap::Args)]
+#[command(args_override_self = true)]
 pub(crate) struct Args {
     #[command(flatten)]
     scene: SceneOptions,
@@ -30,7 +31,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         .into_diagnostic()
         .map_err(Failure::Input)?;
     warn(&scene.warnings, args.scene.strict)?;
-    let contents = Contents::of(&scene, path);
+    let contents = Contents::of(&scene, path, &[]);
     if args.json {
         let json = serde_json::to_string_pretty(&contents).into_diagnostic();
         out(&(json.map_err(Failure::Other)? + "\n"));
@@ -109,7 +110,8 @@ struct Table {
 }
 
 impl Contents {
-    fn of(scene: &Scene, file: &Path) -> Self {
+    /// `tables` are those of the acceleration structure, with their bytes.
+    fn of(scene: &Scene, file: &Path, tables: &[(&'static str, usize)]) -> Self {
         let materials = materials(scene);
         let degrees = |half: f32| 2.0 * f64::from(half).atan().to_degrees();
         let bounds = Bounds::of(&scene.mesh);
@@ -137,7 +139,7 @@ impl Contents {
             },
             materials,
             settings: options::as_options(scene),
-            memory: memory(scene),
+            memory: memory(scene, tables),
             warnings: scene.warnings.clone(),
         }
     }
@@ -284,16 +286,18 @@ fn lights(scene: &Scene, materials: &[MaterialContents], bounds: &Bounds) -> Vec
         .collect()
 }
 
-fn memory(scene: &Scene) -> Vec<Table> {
+fn memory(scene: &Scene, tables: &[(&'static str, usize)]) -> Vec<Table> {
     let (mesh, film) = (&scene.mesh, &scene.film);
     let pixels = film.width as usize * film.height as usize;
     let table = |table, bytes| Table { table, bytes };
-    vec![
+    let own = [
         table("vertices", size_of_val(mesh.vertices.as_slice())),
         table("vertex indices", size_of_val(mesh.indices.as_slice())),
         table("material indices", size_of_val(mesh.material.as_slice())),
         table("film", pixels * Film::BYTES_PER_PIXEL),
-    ]
+    ];
+    let others = tables.iter().map(|&(name, bytes)| table(name, bytes));
+    own.into_iter().chain(others).collect()
 }
 
 fn vertices(n: usize) -> String {
@@ -334,7 +338,8 @@ mod tests {
 
     #[test]
     fn the_layout_is_the_documented_one() {
-        let json = serde_json::to_value(Contents::of(&lit(), Path::new("a"))).expect("serialised");
+        let json =
+            serde_json::to_value(Contents::of(&lit(), Path::new("a"), &[])).expect("serialised");
         let mut found = BTreeSet::new();
         paths(&json, "", &mut found);
         assert_eq!(found, documented("inspect --json"));
@@ -342,7 +347,7 @@ mod tests {
 
     #[test]
     fn powers_are_those_of_lambertian_emitters_and_of_the_sky() {
-        let contents = Contents::of(&lit(), Path::new("a"));
+        let contents = Contents::of(&lit(), Path::new("a"), &[]);
         // Area 6, both sides; the box's half diagonal squared is 6.25.
         assert_eq!(contents.lights[0].power, [12.0 * PI, 24.0 * PI, 0.0]);
         assert_eq!(contents.lights[1].power, [4.0 * PI * 6.25 * PI; 3]);
@@ -351,7 +356,7 @@ mod tests {
 
     #[test]
     fn an_empty_scene_has_no_bounds_and_no_light() {
-        let contents = Contents::of(&empty(), Path::new("a"));
+        let contents = Contents::of(&empty(), Path::new("a"), &[]);
         assert_eq!((contents.bounds.min, contents.bounds.max), (None, None));
         assert!(contents.lights.is_empty());
         assert!(contents.to_text().contains("light      none\n"));

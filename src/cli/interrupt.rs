@@ -3,6 +3,8 @@
 //! keep, and the first one ends it.
 
 use crate::cli::failure::Failure;
+#[cfg(unix)]
+use crate::cli::system;
 use huygens::film::output::abandon_writes;
 use huygens::wave::Control;
 use std::sync::Arc;
@@ -25,8 +27,13 @@ impl Interrupts {
     pub(crate) fn watch() -> Result<Self, Failure> {
         let shared = Arc::new(Shared::default());
         let handler = Arc::clone(&shared);
+        // Installing the handler would undo `nohup`.
+        #[cfg(unix)]
+        let ignored = system::ignored_signals();
         ctrlc::set_handler(move || handler.receive())
             .map_err(|e| Failure::Other(miette::miette!("cannot watch for interrupts: {e}")))?;
+        #[cfg(unix)]
+        system::ignore_signals(&ignored);
         Ok(Self { shared })
     }
 

@@ -6,15 +6,15 @@ use crate::cli::options::{self, ImageOptions, SceneOptions, WorkOptions};
 use crate::cli::progress::Progress;
 use crate::cli::stats::Stats;
 use crate::cli::summary::{plural, summary};
-use crate::cli::system::{could_allocate, peak_memory};
+use crate::cli::system::{peak_memory, physical_memory};
 use crate::cli::text::{bytes, out};
 use huygens::film::exr::{ExrOptions, Metadata, write_exr};
 use huygens::film::output::{Format, OutputError, ensure_writable};
 use huygens::film::png::{Look, write_png};
-use huygens::film::tone::ToneMap;
+use huygens::film::tone::{ToneMap, stops};
 use huygens::film::{Film, Image};
 use huygens::geometry::Geometry;
-use huygens::scene::{self, Scene};
+use huygens::scene::{self, FilmSpec, Scene};
 use huygens::settings::Integrator;
 use huygens::wave;
 use miette::IntoDiagnostic;
@@ -23,6 +23,7 @@ use std::time::Instant;
 
 /// Render a scene to images
 #[derive(Debug, clap::Args)]
+#[command(args_override_self = true)]
 pub(crate) struct Args {
     #[command(flatten)]
     scene: SceneOptions,
@@ -46,7 +47,8 @@ pub(crate) struct Args {
     #[command(flatten)]
     work: WorkOptions,
 
-    /// Exposure in stops, -64 to 64: radiance is multiplied by 2^STOPS (PNG only) [default: 0]
+    /// Exposure in stops, -64 to 64: radiance is multiplied by 2^STOPS (PNG only) [default: 0; for
+    /// depth, what makes the farthest pixel white]
     #[arg(long, value_name = "STOPS", help_heading = "Output", value_parser = options::stops)]
     #[arg(allow_negative_numbers = true)]
     exposure: Option<f32>,
@@ -80,7 +82,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let mut warnings = scene.warnings.clone();
     warnings.extend(args.needless(&scene, &outputs));
     warn(&warnings, args.scene.strict)?;
-    ensure_memory(&scene)?;
+    ensure_memory(&scene.film, physical_memory())?;
 
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(scene.settings.threads)
@@ -118,8 +120,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         stats.write(path).map_err(failure)?;
     }
     if !args.quiet {
-        let headline = format!("{}: {}", scene.name, options::as_options(&scene));
-        out(&summary(&headline, &stats));
+        out(&summary(&scene.name, &options::as_options(&scene), &stats));
     }
     if stats.interrupted || interrupts.received() {
         let mean = film.samples() as f64 / pixels as f64;
@@ -205,7 +206,7 @@ impl Args {
             half: self.half,
             variance: self.variance,
         };
-        let look = self.look(scene.settings.integrator);
+        let look = self.look(scene.settings.integrator, image);
         for (path, format) in outputs {
             match format {
                 Format::Exr => {
@@ -229,15 +230,33 @@ impl Args {
     }
 
     /// How a PNG shows this integrator's values: light as film would, anything else as it is.
-    fn look(&self, integrator: Integrator) -> Look {
+    fn look(&self, integrator: Integrator, image: &Image) -> Look {
         let tone_map = match integrator {
             Integrator::Path | Integrator::Direct | Integrator::Reference => ToneMap::Filmic,
             Integrator::Ao | Integrator::Normals | Integrator::Depth | Integrator::Albedo => {
                 ToneMap::None
             }
         };
+        let scale = match (self.exposure, integrator) {
+            (Some(exposure), _) => stops(exposure),
+            // Distances have no natural white.
+            (None, Integrator::Depth) => {
+                let farthest = image
+                    .mean
+                    .as_flattened()
+                    .iter()
+                    .copied()
+                    .fold(0.0, f32::max);
+                if farthest > 0.0 {
+                    1.0 / f64::from(farthest)
+                } else {
+                    1.0
+                }
+            }
+            (None, _) => 1.0,
+        };
         Look {
-            exposure: self.exposure.unwrap_or(0.0),
+            scale,
             tone_map: self.tone_map.unwrap_or(tone_map),
         }
     }
@@ -251,16 +270,43 @@ fn failure(error: OutputError) -> Failure {
     }
 }
 
-/// Refuses an image that this machine could never hold.
-fn ensure_memory(scene: &Scene) -> Result<(), Failure> {
-    let (width, height) = (scene.film.width, scene.film.height);
+/// Refuses an image that a machine with `available` bytes of memory could never hold.
+fn ensure_memory(film: &FilmSpec, available: Option<u64>) -> Result<(), Failure> {
+    let (width, height) = (film.width, film.height);
     let pixel = Film::BYTES_PER_PIXEL + Image::BYTES_PER_PIXEL;
     let needed = u64::from(width) * u64::from(height) * pixel as u64;
-    if could_allocate(needed) {
-        return Ok(());
+    match available {
+        Some(available) if needed > available => Err(Failure::input(format!(
+            "an image of {width} x {height} pixels needs {} of memory; this machine has {}",
+            bytes(needed),
+            bytes(available)
+        ))),
+        _ => Ok(()),
     }
-    Err(Failure::input(format!(
-        "an image of {width} x {height} pixels needs {} of memory, more than this machine has",
-        bytes(needed)
-    )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use huygens::scene::Filter;
+
+    #[test]
+    fn an_image_beyond_all_memory_is_refused() {
+        let film = FilmSpec {
+            width: 65_535,
+            height: 65_535,
+            filter: Filter::Box,
+        };
+        // Eighty-four bytes a pixel, for the film and the image.
+        let failure = ensure_memory(&film, Some(16_000_000_000)).expect_err("too large");
+        let Failure::Input(report) = failure else {
+            panic!("it is the input that is wrong");
+        };
+        assert_eq!(
+            report.to_string(),
+            "an image of 65535 x 65535 pixels needs 361 GB of memory; this machine has 16.0 GB"
+        );
+        assert!(ensure_memory(&film, Some(84 * 65_535 * 65_535)).is_ok());
+        assert!(ensure_memory(&film, None).is_ok());
+    }
 }

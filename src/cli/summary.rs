@@ -4,13 +4,14 @@ use crate::cli::stats::Stats;
 use crate::cli::text::{bytes, seconds, si};
 use std::fmt::Write;
 
-/// The lines to print; `headline` says what was rendered.
-pub(crate) fn summary(headline: &str, stats: &Stats) -> String {
-    let mut text = format!("{headline}\n");
+/// The lines to print about a render of `scene` with `settings`.
+pub(crate) fn summary(scene: &str, settings: &str, stats: &Stats) -> String {
+    let mut text = format!("{scene}\n");
     let mut line = |label: &str, what: String| {
         let _ = writeln!(text, "  {label:<8} {what}");
     };
     let s = &stats.seconds;
+    line("settings", settings.to_owned());
     line(
         "time",
         format!(
@@ -100,6 +101,7 @@ mod tests {
         stats.outputs.push("a.exr".into());
         let expected = "\
 test
+  settings --spp 64
   time     load 0.000 s, build 0.000 s, render 2.000 s, write 0.000 s
   samples  12.8 k, 6.40 ksamples/s on 2 threads
   rays     camera 12.8 k, bounce 20.0 k, shadow 7.20 k; 20.0 krays/s
@@ -109,6 +111,6 @@ test
   stages   intersect 100%
   wrote    a.exr
 ";
-        assert_eq!(summary("test", &stats), expected);
+        assert_eq!(summary("test", "--spp 64", &stats), expected);
     }
 }

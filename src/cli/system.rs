@@ -23,11 +23,49 @@ pub(crate) fn peak_memory() -> Option<u64> {
     None
 }
 
-/// Whether `bytes` of memory could be had at all. Most systems hand out address space without
-/// looking at what is in use, but refuse outright what they could never fill.
-pub(crate) fn could_allocate(bytes: u64) -> bool {
-    let bytes = usize::try_from(bytes).unwrap_or(usize::MAX);
-    Vec::<u8>::new().try_reserve_exact(bytes).is_ok()
+/// Memory of this machine in bytes, where the system tells.
+pub(crate) fn physical_memory() -> Option<u64> {
+    #[cfg(unix)]
+    {
+        // SAFETY: sysconf takes a number, gives a number, and touches no memory of ours.
+        let [pages, size] = unsafe {
+            [
+                libc::sysconf(libc::_SC_PHYS_PAGES),
+                libc::sysconf(libc::_SC_PAGESIZE),
+            ]
+        };
+        let known = |n: libc::c_long| u64::try_from(n).ok().filter(|&n| n > 0);
+        Some(known(pages)?.saturating_mul(known(size)?))
+    }
+    #[cfg(not(unix))]
+    None
+}
+
+/// The signals to end that this process was started to ignore, as `nohup` and shells without job
+/// control do.
+#[cfg(unix)]
+pub(crate) fn ignored_signals() -> Vec<libc::c_int> {
+    let ignored = |&signal: &libc::c_int| {
+        let mut action = std::mem::MaybeUninit::<libc::sigaction>::zeroed();
+        // SAFETY: with a null new action, sigaction changes nothing and writes the old one to
+        // `action`, which is valid for that; it is read only if that was done.
+        unsafe {
+            libc::sigaction(signal, std::ptr::null(), action.as_mut_ptr()) == 0
+                && action.assume_init().sa_sigaction == libc::SIG_IGN
+        }
+    };
+    let all = [libc::SIGINT, libc::SIGTERM, libc::SIGHUP];
+    all.into_iter().filter(|signal| ignored(signal)).collect()
+}
+
+/// Ignores these signals from now on.
+#[cfg(unix)]
+pub(crate) fn ignore_signals(signals: &[libc::c_int]) {
+    for &signal in signals {
+        // SAFETY: SIG_IGN runs no code of ours, so there is nothing that a signal could interrupt
+        // unsoundly.
+        unsafe { libc::signal(signal, libc::SIG_IGN) };
+    }
 }
 
 #[cfg(test)]
@@ -44,9 +82,9 @@ mod tests {
         assert!(after >= 64 << 20 && after >= before, "{before} to {after}");
     }
 
+    #[cfg(unix)]
     #[test]
-    fn no_machine_has_an_exabyte() {
-        assert!(could_allocate(1 << 20));
-        assert!(!could_allocate(1 << 60));
+    fn physical_memory_is_at_least_what_was_used() {
+        assert!(physical_memory().expect("unix tells") >= peak_memory().expect("unix tells"));
     }
 }
