@@ -211,8 +211,8 @@ fn options_that_do_nothing_are_named() {
         folder.path(),
         &["-o", "a.png", "--half", "--ao-distance", "1"],
     );
-    let expected = "warning: --half does nothing: no .exr is written\n\
-                    warning: --ao-distance does nothing: the integrator is not ao\n";
+    let expected = "warning: --ao-distance does nothing: the integrator is not ao\n\
+                    warning: --half does nothing: no .exr is written\n";
     assert_eq!(String::from_utf8_lossy(&output.stderr), expected);
     assert_eq!(output.status.code(), Some(0));
 }

@@ -1,5 +1,6 @@
 //! What ends a command early, how it is printed, and its exit code.
 
+use huygens::film::output::OutputError;
 use miette::{Diagnostic, Report};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -14,6 +15,16 @@ pub(crate) enum Failure {
     Other(Report),
     /// The user interrupted it; what is there is written, as the message says.
     Interrupted(String),
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        if error.bad_request {
+            Self::Input(error.into())
+        } else {
+            Self::Other(error.into())
+        }
+    }
 }
 
 impl Failure {

@@ -1,6 +1,7 @@
 //! The command line: arguments and printing, nothing else. One file a subcommand.
 
 mod failure;
+mod images;
 mod inspect;
 mod interrupt;
 mod options;

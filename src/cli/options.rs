@@ -113,6 +113,12 @@ impl ImageOptions {
         s.seed = self.seed.unwrap_or(s.seed);
         s.ao_distance = self.ao_distance.or(s.ao_distance);
     }
+
+    /// Warnings about options that do nothing for `scene`, over which they have been put.
+    pub(crate) fn needless(&self, scene: &Scene) -> Option<String> {
+        (self.ao_distance.is_some() && scene.settings.integrator != Integrator::Ao)
+            .then(|| "--ao-distance does nothing: the integrator is not ao".to_owned())
+    }
 }
 
 impl WorkOptions {
