@@ -1,1 +1,7 @@
-fn main() {}
+//! The command `huygens`. See `huygens --help` and `docs/command-line.md`.
+
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

@@ -44,6 +44,9 @@ impl Film {
 }
 
 impl Image {
+    /// Memory of an image for each pixel, in bytes.
+    pub const BYTES_PER_PIXEL: usize = 2 * size_of::<[f32; 3]>() + size_of::<u32>();
+
     /// Mean number of samples a pixel.
     #[must_use]
     pub fn mean_samples(&self) -> f64 {

@@ -1,15 +1,15 @@
 //! PNG: what a screen shows of an image, sRGB with 8 bits a channel.
 
 use super::output::{OutputError, write_atomically};
-use super::tone::{ToneMap, display, stops};
+use super::tone::{ToneMap, display};
 use image::ImageEncoder;
 use std::path::Path;
 
 /// How an image is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
-    /// Radiance is multiplied by two to this power.
-    pub exposure: f32,
+    /// Radiance is multiplied by this; [`super::tone::stops`] gives it for an exposure in stops.
+    pub scale: f64,
     /// The curve behind it.
     pub tone_map: ToneMap,
 }
@@ -17,7 +17,7 @@ pub struct Look {
 impl Default for Look {
     fn default() -> Self {
         Self {
-            exposure: 0.0,
+            scale: 1.0,
             tone_map: ToneMap::Filmic,
         }
     }
@@ -39,10 +39,9 @@ pub fn write_png(
     look: Look,
 ) -> Result<(), OutputError> {
     assert_eq!(pixels.len(), width as usize * height as usize);
-    let scale = stops(look.exposure);
     let codes: Vec<[u8; 3]> = pixels
         .iter()
-        .map(|&radiance| display(radiance, scale, look.tone_map))
+        .map(|&radiance| display(radiance, look.scale, look.tone_map))
         .collect();
     write_atomically(path, |writer| {
         image::codecs::png::PngEncoder::new(writer).write_image(
@@ -57,13 +56,14 @@ pub fn write_png(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::tone::stops;
 
     #[test]
     fn a_png_reads_back_with_exposure_applied() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.png");
         let look = Look {
-            exposure: -1.0,
+            scale: stops(-1.0),
             tone_map: ToneMap::None,
         };
         let pixels = [[2.0, 1.0, 0.0], [0.428_231, 4.0, -1.0]];

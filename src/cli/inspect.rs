@@ -1,0 +1,40 @@
+//! `huygens inspect`.
+
+mod contents;
+mod text;
+
+use crate::cli::failure::{Failure, warn};
+use crate::cli::options::SceneOptions;
+use crate::cli::text::out;
+use contents::Contents;
+use huygens::scene;
+use miette::IntoDiagnostic;
+
+/// Show what a scene holds and what it needs, without rendering it
+#[derive(Debug, clap::Args)]
+#[command(args_override_self = true)]
+pub(crate) struct Args {
+    #[command(flatten)]
+    scene: SceneOptions,
+
+    /// Print JSON (see docs/stats.md)
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs `huygens inspect`.
+pub(crate) fn run(args: &Args) -> Result<(), Failure> {
+    let path = &args.scene.scene;
+    let scene = scene::load(path)
+        .into_diagnostic()
+        .map_err(Failure::Input)?;
+    warn(&scene.warnings, args.scene.strict)?;
+    let contents = Contents::of(&scene, path, &[]);
+    if args.json {
+        let json = serde_json::to_string_pretty(&contents).into_diagnostic();
+        out(&(json.map_err(Failure::Other)? + "\n"));
+    } else {
+        out(&contents.to_text());
+    }
+    Ok(())
+}

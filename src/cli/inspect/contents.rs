@@ -1,0 +1,256 @@
+//! What a scene holds, in numbers.
+
+use crate::cli::options;
+use huygens::film::Film;
+use huygens::scene::{self, Filter, Mesh, Scene};
+use serde::Serialize;
+use std::f64::consts::PI;
+use std::path::Path;
+
+/// What a scene holds. The layout of its JSON is documented in docs/stats.md.
+#[derive(Debug, Serialize)]
+pub(crate) struct Contents {
+    pub(super) schema: u32,
+    pub(super) name: String,
+    pub(super) file: String,
+    pub(super) hash: String,
+    pub(super) triangles: usize,
+    pub(super) vertices: usize,
+    pub(super) area: f64,
+    pub(super) bounds: Bounds,
+    pub(super) image: ImageContents,
+    pub(super) camera: CameraContents,
+    pub(super) materials: Vec<MaterialContents>,
+    pub(super) lights: Vec<Light>,
+    pub(super) settings: String,
+    pub(super) memory: Vec<Table>,
+    pub(super) warnings: Vec<String>,
+}
+
+/// The box around all vertices; none without vertices.
+#[derive(Debug, Serialize)]
+pub(super) struct Bounds {
+    pub(super) min: Option<[f32; 3]>,
+    pub(super) max: Option<[f32; 3]>,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct ImageContents {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    pub(super) filter: Filter,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct CameraContents {
+    pub(super) origin: [f32; 3],
+    pub(super) forward: [f32; 3],
+    pub(super) up: [f32; 3],
+    pub(super) horizontal_degrees: f64,
+    pub(super) vertical_degrees: f64,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct MaterialContents {
+    pub(super) name: String,
+    pub(super) triangles: usize,
+    pub(super) area: f64,
+    pub(super) albedo: [f32; 3],
+    pub(super) emission: [f32; 3],
+    pub(super) two_sided: bool,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Light {
+    pub(super) kind: &'static str,
+    pub(super) name: String,
+    pub(super) triangles: usize,
+    pub(super) radiance: [f32; 3],
+    pub(super) power: [f64; 3],
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Table {
+    pub(super) table: &'static str,
+    pub(super) bytes: usize,
+}
+
+impl Contents {
+    /// `tables` are those of the acceleration structure, with their bytes.
+    pub(crate) fn of(scene: &Scene, file: &Path, tables: &[(&'static str, usize)]) -> Self {
+        let materials = materials(scene);
+        let degrees = |half: f32| 2.0 * f64::from(half).atan().to_degrees();
+        let bounds = Bounds::of(&scene.mesh);
+        Self {
+            schema: 1,
+            name: scene.name.clone(),
+            file: file.display().to_string(),
+            hash: blake3::Hash::from_bytes(scene.hash).to_hex().to_string(),
+            triangles: scene.mesh.triangles(),
+            vertices: scene.mesh.vertices.len(),
+            area: materials.iter().map(|m| m.area).sum(),
+            lights: lights(scene, &materials, &bounds),
+            bounds,
+            image: ImageContents {
+                width: scene.film.width,
+                height: scene.film.height,
+                filter: scene.film.filter,
+            },
+            camera: CameraContents {
+                origin: scene.camera.origin,
+                forward: scene.camera.forward,
+                up: scene.camera.up,
+                horizontal_degrees: degrees(scene.camera.half_width),
+                vertical_degrees: degrees(scene.camera.half_height),
+            },
+            materials,
+            settings: options::as_options(scene),
+            memory: memory(scene, tables),
+            warnings: scene.warnings.clone(),
+        }
+    }
+}
+
+impl Bounds {
+    fn of(mesh: &Mesh) -> Self {
+        let reduce = |pick: fn(f32, f32) -> f32| {
+            let combine = |a: [f32; 3], b: [f32; 3]| std::array::from_fn(|c| pick(a[c], b[c]));
+            mesh.vertices.iter().copied().reduce(combine)
+        };
+        Self {
+            min: reduce(f32::min),
+            max: reduce(f32::max),
+        }
+    }
+
+    /// Square of the radius of the sphere around the box.
+    fn radius2(&self) -> f64 {
+        let (Some(min), Some(max)) = (self.min, self.max) else {
+            return 0.0;
+        };
+        let half = |c: usize| 0.5 * (f64::from(max[c]) - f64::from(min[c]));
+        (0..3).map(|c| half(c) * half(c)).sum()
+    }
+}
+
+fn materials(scene: &Scene) -> Vec<MaterialContents> {
+    let mut worn = vec![(0, 0.0); scene.materials.len()];
+    for triangle in 0..scene.mesh.triangles() {
+        let (count, all) = &mut worn[scene.mesh.material[triangle] as usize];
+        *count += 1;
+        *all += area(scene.mesh.corners(triangle));
+    }
+    let contents = |(m, (triangles, area)): (&scene::Material, (usize, f64))| MaterialContents {
+        name: m.name.clone(),
+        triangles,
+        area,
+        albedo: m.albedo,
+        emission: m.emission,
+        two_sided: m.two_sided,
+    };
+    scene.materials.iter().zip(worn).map(contents).collect()
+}
+
+/// Area of a triangle: half the length of the vector product of two sides.
+fn area(corners: [[f32; 3]; 3]) -> f64 {
+    let [a, b, c] = corners.map(|p| p.map(f64::from));
+    let side = |p: [f64; 3]| [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
+    let (u, v) = (side(b), side(c));
+    let cross = |i: usize, j: usize| u[i] * v[j] - u[j] * v[i];
+    let (x, y, z) = (cross(1, 2), cross(2, 0), cross(0, 1));
+    0.5 * (x * x + y * y + z * z).sqrt()
+}
+
+fn lights(scene: &Scene, materials: &[MaterialContents], bounds: &Bounds) -> Vec<Light> {
+    let emits = |m: &&MaterialContents| m.triangles > 0 && m.emission.iter().any(|&e| e > 0.0);
+    let surface = |m: &MaterialContents| {
+        let sides = if m.two_sided { 2.0 } else { 1.0 };
+        Light {
+            kind: "area",
+            name: m.name.clone(),
+            triangles: m.triangles,
+            radiance: m.emission,
+            power: m.emission.map(|l| PI * m.area * sides * f64::from(l)),
+        }
+    };
+    let sky = scene.sky.map(|radiance| Light {
+        kind: "sky",
+        name: "sky".to_owned(),
+        triangles: 0,
+        radiance,
+        // The sphere's surface times pi L: it is lit from all of each hemisphere above it.
+        power: radiance.map(|l| 4.0 * PI * bounds.radius2() * PI * f64::from(l)),
+    });
+    materials
+        .iter()
+        .filter(emits)
+        .map(surface)
+        .chain(sky)
+        .collect()
+}
+
+fn memory(scene: &Scene, tables: &[(&'static str, usize)]) -> Vec<Table> {
+    let (mesh, film) = (&scene.mesh, &scene.film);
+    let pixels = film.width as usize * film.height as usize;
+    let table = |table, bytes| Table { table, bytes };
+    let own = [
+        table("vertices", size_of_val(mesh.vertices.as_slice())),
+        table("vertex indices", size_of_val(mesh.indices.as_slice())),
+        table("material indices", size_of_val(mesh.material.as_slice())),
+        table("film", pixels * Film::BYTES_PER_PIXEL),
+    ];
+    let others = tables.iter().map(|&(name, bytes)| table(name, bytes));
+    own.into_iter().chain(others).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::stats::tests::{documented, paths, scene as empty};
+    use huygens::scene::Material;
+    use std::collections::BTreeSet;
+
+    /// A 3-4-5 triangle that emits from both sides, under a sky.
+    fn lit() -> Scene {
+        let mut scene = empty();
+        scene.mesh = Mesh {
+            vertices: vec![[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]],
+            indices: vec![[0, 1, 2]],
+            material: vec![0],
+        };
+        scene.materials.push(Material {
+            name: "lamp".into(),
+            albedo: [0.5; 3],
+            emission: [1.0, 2.0, 0.0],
+            two_sided: true,
+        });
+        scene.sky = Some([1.0; 3]);
+        scene
+    }
+
+    #[test]
+    fn the_layout_is_the_documented_one() {
+        let json =
+            serde_json::to_value(Contents::of(&lit(), Path::new("a"), &[])).expect("serialised");
+        let mut found = BTreeSet::new();
+        paths(&json, "", &mut found);
+        assert_eq!(found, documented("inspect --json"));
+    }
+
+    #[test]
+    fn powers_are_those_of_lambertian_emitters_and_of_the_sky() {
+        let contents = Contents::of(&lit(), Path::new("a"), &[]);
+        // Area 6, both sides; the box's half diagonal squared is 6.25.
+        assert_eq!(contents.lights[0].power, [12.0 * PI, 24.0 * PI, 0.0]);
+        assert_eq!(contents.lights[1].power, [4.0 * PI * 6.25 * PI; 3]);
+        assert_eq!(contents.area, 6.0);
+    }
+
+    #[test]
+    fn an_empty_scene_has_no_bounds_and_no_light() {
+        let contents = Contents::of(&empty(), Path::new("a"), &[]);
+        assert_eq!((contents.bounds.min, contents.bounds.max), (None, None));
+        assert!(contents.lights.is_empty());
+        assert!(contents.to_text().contains("light      none\n"));
+    }
+}

@@ -1,0 +1,226 @@
+//! Options that several subcommands share, and parsers of their values.
+
+use clap::{Args, ValueEnum};
+use huygens::scene::{Filter, Scene};
+use huygens::settings::{Integrator, Settings, Strategy};
+use std::path::PathBuf;
+
+/// The scene, and how strictly it is taken.
+#[derive(Debug, Args)]
+pub(crate) struct SceneOptions {
+    /// Scene file: a native .toml scene, or a bare .obj
+    pub(crate) scene: PathBuf,
+
+    /// Treat every warning about the scene or the options as an error (exit code 2)
+    #[arg(long)]
+    pub(crate) strict: bool,
+}
+
+/// What the image depends on. Whatever is left out comes from the scene file, or else from the
+/// defaults.
+#[derive(Debug, Default, Args)]
+#[command(next_help_heading = "Image (default: what the scene file says)")]
+pub(crate) struct ImageOptions {
+    /// Samples a pixel, 1 to 2147483647 [if the scene says nothing: 64]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(i32::MAX)))]
+    pub(crate) spp: Option<u32>,
+
+    /// Image size in pixels, each side 1 to 65535; keeps the vertical field of view
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(crate) size: Option<(u32, u32)>,
+
+    /// Largest number of scattering events on a path, 0 to 2147483647, or none
+    #[arg(long, value_name = "N|none", value_parser = depth, allow_negative_numbers = true)]
+    pub(crate) max_depth: Option<Depth>,
+
+    /// What is computed for each sample
+    #[arg(long, value_name = "NAME")]
+    pub(crate) integrator: Option<Integrator>,
+
+    /// How a surface looks for light
+    #[arg(long, value_name = "NAME")]
+    pub(crate) strategy: Option<Strategy>,
+
+    /// Whether paths end at random by their throughput
+    #[arg(long, value_name = "on|off")]
+    pub(crate) roulette: Option<Switch>,
+
+    /// Seed of the random numbers, 0 to 4294967295
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub(crate) seed: Option<u32>,
+
+    /// Pixel filter
+    #[arg(long, value_name = "NAME")]
+    pub(crate) filter: Option<Filter>,
+
+    /// Occlusion distance of the integrator ao in scene units, above 0 [if the scene says nothing:
+    /// a tenth of the scene's diagonal]
+    #[arg(long, value_name = "LENGTH", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) ao_distance: Option<f32>,
+}
+
+/// How the work is done; the image does not depend on it.
+#[derive(Debug, Default, Args)]
+#[command(next_help_heading = "Work (the image does not depend on it)")]
+pub(crate) struct WorkOptions {
+    /// Worker threads, 0 to 1024; 0: one for each core
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u16).range(0..=1024))]
+    pub(crate) threads: Option<u16>,
+
+    /// Paths in a worker's wave, 64 to 1048576 [if the scene says nothing: 4096]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(64..=1 << 20))]
+    pub(crate) wave: Option<u32>,
+
+    /// Edge of a tile in pixels, 1 to 1024 [if the scene says nothing: 32]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(crate) tile: Option<u32>,
+}
+
+/// On or off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Switch {
+    On,
+    Off,
+}
+
+/// A maximum depth, or explicitly none (where the scene has one).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Depth(Option<u32>);
+
+impl ImageOptions {
+    /// Puts these options over those of the scene.
+    pub(crate) fn apply(&self, scene: &mut Scene) {
+        if let Some((width, height)) = self.size {
+            let old = (u64::from(scene.film.width), u64::from(scene.film.height));
+            // The same shape at another resolution is the same camera, to the last bit.
+            if u64::from(width) * old.1 != u64::from(height) * old.0 {
+                let aspect = f64::from(width) / f64::from(height);
+                scene.camera.half_width = (f64::from(scene.camera.half_height) * aspect) as f32;
+            }
+            (scene.film.width, scene.film.height) = (width, height);
+        }
+        scene.film.filter = self.filter.unwrap_or(scene.film.filter);
+        let s = &mut scene.settings;
+        s.spp = self.spp.unwrap_or(s.spp);
+        s.max_depth = self.max_depth.map_or(s.max_depth, |d| d.0);
+        s.integrator = self.integrator.unwrap_or(s.integrator);
+        s.strategy = self.strategy.unwrap_or(s.strategy);
+        s.roulette = self.roulette.map_or(s.roulette, |r| r == Switch::On);
+        s.seed = self.seed.unwrap_or(s.seed);
+        s.ao_distance = self.ao_distance.or(s.ao_distance);
+    }
+
+    /// Warnings about options that do nothing for `scene`, over which they have been put.
+    pub(crate) fn needless(&self, scene: &Scene) -> Option<String> {
+        (self.ao_distance.is_some() && scene.settings.integrator != Integrator::Ao)
+            .then(|| "--ao-distance does nothing: the integrator is not ao".to_owned())
+    }
+}
+
+impl WorkOptions {
+    /// Puts these options over those of the scene.
+    pub(crate) fn apply(&self, s: &mut Settings) {
+        s.threads = self.threads.map_or(s.threads, usize::from);
+        s.wave = self.wave.map_or(s.wave, |w| w as usize);
+        s.tile = self.tile.unwrap_or(s.tile);
+    }
+}
+
+/// Everything that the image depends on besides the scene's contents, as options that would ask for
+/// it again.
+pub(crate) fn as_options(scene: &Scene) -> String {
+    let s = &scene.settings;
+    let name = |v: Option<clap::builder::PossibleValue>| {
+        v.map_or_else(String::new, |v| v.get_name().to_owned())
+    };
+    let mut text = format!(
+        "--size {}x{} --spp {} --max-depth {} --integrator {} --strategy {} --roulette {} --seed {} \
+         --filter {}",
+        scene.film.width,
+        scene.film.height,
+        s.spp,
+        s.max_depth.map_or("none".to_owned(), |d| d.to_string()),
+        name(s.integrator.to_possible_value()),
+        name(s.strategy.to_possible_value()),
+        if s.roulette { "on" } else { "off" },
+        s.seed,
+        name(scene.film.filter.to_possible_value()),
+    );
+    if let Some(distance) = s.ao_distance {
+        text += &format!(" --ao-distance {distance}");
+    }
+    text
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let expected = || format!("expected WIDTHxHEIGHT, such as 640x480, found {text}");
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
+    let side = |side: &str| -> Result<u32, String> {
+        let pixels: i64 = side.parse().map_err(|_| expected())?;
+        match pixels {
+            1..=65_535 => Ok(pixels as u32),
+            _ => Err(format!("a side of {pixels} pixels; expected 1 to 65535")),
+        }
+    };
+    Ok((side(width)?, side(height)?))
+}
+
+fn depth(text: &str) -> Result<Depth, String> {
+    if text == "none" {
+        return Ok(Depth(None));
+    }
+    let number = text.parse().ok().filter(|&d| d <= i32::MAX as u32);
+    number
+        .map(|d| Depth(Some(d)))
+        .ok_or_else(|| "expected 0 to 2147483647, or none".to_owned())
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    let number: Option<f32> = text.parse().ok();
+    number
+        .filter(|v| v.is_finite() && *v > 0.0)
+        .ok_or_else(|| "expected a finite number above 0".to_owned())
+}
+
+/// Exposure in stops, between -64 and 64.
+pub(crate) fn stops(text: &str) -> Result<f32, String> {
+    let number: Option<f32> = text.parse().ok();
+    number
+        .filter(|v| (-64.0..=64.0).contains(v))
+        .ok_or_else(|| "expected a number of stops from -64 to 64".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes() {
+        assert_eq!(size("640x480"), Ok((640, 480)));
+        assert_eq!(size("1X65535"), Ok((1, 65_535)));
+        for wrong in [
+            "0x480", "640x0", "640", "640x", "axb", "-1x5", "65536x1", "6 x4", "",
+        ] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn depths() {
+        assert_eq!(depth("none"), Ok(Depth(None)));
+        assert_eq!(depth("0"), Ok(Depth(Some(0))));
+        assert_eq!(depth("2147483647"), Ok(Depth(Some(2_147_483_647))));
+        assert!(depth("2147483648").is_err() && depth("-1").is_err() && depth("").is_err());
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_refused() {
+        assert!(positive("nan").is_err() && positive("inf").is_err() && positive("0").is_err());
+        assert!(stops("nan").is_err() && stops("65").is_err());
+        assert_eq!(stops("-1.5"), Ok(-1.5));
+    }
+}

@@ -1,0 +1,111 @@
+//! Progress on the standard error: hidden if that is no terminal, or on `--quiet`.
+
+use crate::cli::text::si;
+use huygens::wave::Control;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+const TICK: Duration = Duration::from_millis(100);
+
+/// Whether and where progress is shown.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Progress {
+    visible: bool,
+}
+
+impl Progress {
+    pub(crate) fn new(quiet: bool) -> Self {
+        Self {
+            visible: !quiet && std::io::stderr().is_terminal(),
+        }
+    }
+
+    /// Runs `work` under a spinner, and returns its result and its wall-clock seconds.
+    pub(crate) fn phase<T>(self, label: &str, work: impl FnOnce() -> T) -> (T, f64) {
+        let bar = self.bar(None, "{spinner} {msg} {elapsed}");
+        bar.set_message(label.to_owned());
+        if self.visible {
+            bar.enable_steady_tick(TICK);
+        }
+        let start = Instant::now();
+        let result = work();
+        let seconds = start.elapsed().as_secs_f64();
+        bar.finish_and_clear();
+        (result, seconds)
+    }
+
+    /// Runs `render` while a thread shows how far `control` says it is.
+    pub(crate) fn render<T>(self, asked: u64, control: &Control, render: impl FnOnce() -> T) -> T {
+        if !self.visible {
+            return render();
+        }
+        let bar = self.bar(
+            Some(asked),
+            "render [{wide_bar}] {percent:>3}% {msg} ETA {eta}",
+        );
+        let done = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            let watcher = scope.spawn(|| watch(&bar, control, &done));
+            // On a panic too, or the scope would wait for the watcher for ever.
+            let _finish = OnDrop(|| {
+                done.store(true, Ordering::Relaxed);
+                watcher.thread().unpark();
+            });
+            render()
+        })
+    }
+
+    fn bar(self, length: Option<u64>, template: &str) -> ProgressBar {
+        let target = if self.visible {
+            ProgressDrawTarget::stderr()
+        } else {
+            ProgressDrawTarget::hidden()
+        };
+        let style = ProgressStyle::with_template(template).expect("a valid template");
+        ProgressBar::with_draw_target(length, target).with_style(style.progress_chars("=> "))
+    }
+}
+
+fn watch(bar: &ProgressBar, control: &Control, done: &AtomicBool) {
+    let start = Instant::now();
+    while !done.load(Ordering::Relaxed) {
+        let samples = control.samples.load(Ordering::Relaxed);
+        let rays = control.rays.load(Ordering::Relaxed);
+        let seconds = start.elapsed().as_secs_f64();
+        let rate = |n: u64| si(n as f64 / seconds.max(1e-9));
+        bar.set_position(samples);
+        let stopping = if control.stop.load(Ordering::Relaxed) {
+            "stopping; "
+        } else {
+            ""
+        };
+        let message = format!("{stopping}{}samples/s {}rays/s", rate(samples), rate(rays));
+        bar.set_message(message);
+        std::thread::park_timeout(TICK);
+    }
+    bar.finish_and_clear();
+}
+
+struct OnDrop<F: FnMut()>(F);
+
+impl<F: FnMut()> Drop for OnDrop<F> {
+    fn drop(&mut self) {
+        (self.0)();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_render_that_panics_under_a_bar_does_not_hang() {
+        let progress = Progress { visible: true };
+        let control = Control::default();
+        let render = || progress.render(1, &control, || panic!("as asked"));
+        let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(render));
+        assert!(result.is_err());
+    }
+}

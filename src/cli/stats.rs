@@ -1,0 +1,188 @@
+//! `--stats`: the numbers of a render for scripts. The layout is an interface: `docs/stats.md`
+//! documents it, and a test holds the two together.
+
+use huygens::film::output::{OutputError, write_atomically};
+use huygens::scene::{Filter, Scene};
+use huygens::settings::{Integrator, Strategy};
+use huygens::wave::account::Dropped;
+use huygens::wave::{RenderStats, StageStats};
+use serde::Serialize;
+use std::io::Write;
+use std::path::Path;
+
+/// Version of the layout. It grows when a field changes its meaning or goes; new fields may appear
+/// without that.
+pub(crate) const SCHEMA: u32 = 1;
+
+/// The whole file.
+#[derive(Debug, Serialize)]
+pub(crate) struct Stats {
+    schema: u32,
+    program: &'static str,
+    version: &'static str,
+    scene: SceneStats,
+    image: ImageStats,
+    settings: SettingsStats,
+    pub(crate) seconds: Seconds,
+    pub(crate) samples: Samples,
+    pub(crate) rays: Rays,
+    /// Mean number of scattering events on a path.
+    pub(crate) mean_depth: f64,
+    pub(crate) threads: usize,
+    pub(crate) peak_memory_bytes: Option<u64>,
+    pub(crate) interrupted: bool,
+    pub(crate) dropped: DroppedStats,
+    warnings: Vec<String>,
+    pub(crate) outputs: Vec<String>,
+    pub(crate) stages: Vec<StageStats>,
+}
+
+#[derive(Debug, Serialize)]
+struct SceneStats {
+    name: String,
+    file: String,
+    hash: String,
+    triangles: usize,
+    vertices: usize,
+    materials: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct ImageStats {
+    width: u32,
+    height: u32,
+    filter: Filter,
+}
+
+#[derive(Debug, Serialize)]
+struct SettingsStats {
+    integrator: Integrator,
+    strategy: Strategy,
+    spp: u32,
+    max_depth: Option<u32>,
+    roulette: bool,
+    seed: u32,
+    ao_distance: Option<f32>,
+    wave: usize,
+    tile: u32,
+}
+
+/// Wall-clock seconds of each phase.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct Seconds {
+    pub(crate) load: f64,
+    pub(crate) build: f64,
+    pub(crate) render: f64,
+    pub(crate) write: f64,
+    pub(crate) total: f64,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct Samples {
+    pub(crate) done: u64,
+    asked: u64,
+    pub(crate) per_second: f64,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct Rays {
+    pub(crate) camera: u64,
+    pub(crate) bounce: u64,
+    pub(crate) shadow: u64,
+    total: u64,
+    pub(crate) per_second: f64,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct DroppedStats {
+    pub(crate) total: u64,
+    pub(crate) stages: Vec<Dropped>,
+}
+
+impl Stats {
+    /// The numbers of `render`, a render of `scene` from `file`; what follows it is still empty.
+    pub(crate) fn new(
+        scene: &Scene,
+        file: &Path,
+        render: RenderStats,
+        warnings: &[String],
+    ) -> Self {
+        let s = &scene.settings;
+        let per_second = |n: u64| {
+            if render.seconds > 0.0 {
+                n as f64 / render.seconds
+            } else {
+                0.0
+            }
+        };
+        let rays = render.camera_rays + render.bounce_rays + render.shadow_rays;
+        let pixels = u64::from(scene.film.width) * u64::from(scene.film.height);
+        Self {
+            schema: SCHEMA,
+            program: "huygens",
+            version: env!("CARGO_PKG_VERSION"),
+            scene: SceneStats {
+                name: scene.name.clone(),
+                file: file.display().to_string(),
+                hash: blake3::Hash::from_bytes(scene.hash).to_hex().to_string(),
+                triangles: scene.mesh.triangles(),
+                vertices: scene.mesh.vertices.len(),
+                materials: scene.materials.len(),
+            },
+            image: ImageStats {
+                width: scene.film.width,
+                height: scene.film.height,
+                filter: scene.film.filter,
+            },
+            settings: SettingsStats {
+                integrator: s.integrator,
+                strategy: s.strategy,
+                spp: s.spp,
+                max_depth: s.max_depth,
+                roulette: s.roulette,
+                seed: s.seed,
+                ao_distance: s.ao_distance,
+                wave: s.wave,
+                tile: s.tile,
+            },
+            seconds: Seconds {
+                render: render.seconds,
+                ..Seconds::default()
+            },
+            samples: Samples {
+                done: render.samples,
+                asked: pixels * u64::from(s.spp),
+                per_second: per_second(render.samples),
+            },
+            rays: Rays {
+                camera: render.camera_rays,
+                bounce: render.bounce_rays,
+                shadow: render.shadow_rays,
+                total: rays,
+                per_second: per_second(rays),
+            },
+            mean_depth: render.mean_depth,
+            threads: render.threads,
+            peak_memory_bytes: None,
+            interrupted: render.stopped,
+            dropped: DroppedStats {
+                total: render.dropped.iter().map(|d| d.count).sum(),
+                stages: render.dropped,
+            },
+            warnings: warnings.to_vec(),
+            outputs: Vec::new(),
+            stages: render.stages,
+        }
+    }
+
+    /// Writes them to `path`, atomically.
+    pub(crate) fn write(&self, path: &Path) -> Result<(), OutputError> {
+        write_atomically(path, |writer| -> std::io::Result<()> {
+            serde_json::to_writer_pretty(&mut *writer, self)?;
+            writer.write_all(b"\n")
+        })
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;
