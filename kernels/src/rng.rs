@@ -30,8 +30,18 @@ pub struct Independent {
 impl Sampler for Independent {
     #[inline(always)]
     fn draw4(&self, pixel: Ux, sample: Ux, block: Ux) -> [Fx; 4] {
-        pcg4d([pixel, sample, block, Ux::splat(self.seed)]).map(unit)
+        pcg4d([pixel, sample, block, Ux::splat(scatter(self.seed))]).map(unit)
     }
+}
+
+/// MurmurHash3's finalizer (A. Appleby), a bijection. Seeds pass through it because `pcg4d`'s
+/// highest input bits reach few output bits: seeds that differ in bit 30 or 31 alone would give
+/// renders that resemble each other. The other words of the counter do not grow that large.
+#[inline(always)]
+fn scatter(seed: u32) -> u32 {
+    let h = (seed ^ (seed >> 16)).wrapping_mul(0x85eb_ca6b);
+    let h = (h ^ (h >> 13)).wrapping_mul(0xc2b2_ae35);
+    h ^ (h >> 16)
 }
 
 /// The hash itself, a bijection on 128 bits.
