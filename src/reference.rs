@@ -24,9 +24,9 @@ use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 use std::f64::consts::{PI, TAU};
 
-/// Deepest recursion: about half of a thread's usual stack of 2 MiB. What is cut at an albedo of
-/// 0.99 is below e^-40 of the answer.
-const DEEPEST: u32 = Settings::CUT_WITHOUT_ROULETTE;
+/// Deepest recursion, at a good 256 bytes a level: within half of a thread's usual stack of 2 MiB.
+/// What is cut at an albedo of 0.99 is below e^-20 of the answer.
+const DEEPEST: u32 = 2048;
 
 /// The reference renderer of one scene.
 #[derive(Debug)]
@@ -62,10 +62,10 @@ struct Hit {
 }
 
 impl<'a> Reference<'a> {
-    /// Prepares `scene`. Of `settings` it follows `seed`, the depth limit (at most
-    /// [`Settings::CUT_WITHOUT_ROULETTE`], since each level is a level of recursion) and
-    /// `strategy`: `uniform` draws directions uniformly; all others draw them by the cosine, for
-    /// the reference looks for light on the hemisphere only.
+    /// Prepares `scene`. Of `settings` it follows `seed`, the depth limit (at most 2048, since each
+    /// scattering event is a level of recursion) and `strategy`: `uniform` draws directions
+    /// uniformly; all others draw them by the cosine, for the reference looks for light on the
+    /// hemisphere only.
     #[must_use]
     pub fn new(scene: &'a Scene, settings: &Settings) -> Self {
         let mesh = &scene.mesh;

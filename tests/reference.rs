@@ -59,8 +59,9 @@ fn the_deepest_recursion_fits_a_thread_and_closes_the_furnace() {
     };
     let rho = f64::from(0.99f32);
     let closed = mean(&furnace(0.99), &unlimited).mean();
-    // The cut takes 0.99^4097 = 1e-18 of it; 4096 roundings remain.
-    assert!((closed * (1.0 - rho) - 1.0).abs() < 4096.0 * f64::EPSILON);
+    // The series cut at 2048, to as many roundings.
+    let expected = (1.0 - rho.powi(2049)) / (1.0 - rho);
+    assert!((closed / expected - 1.0).abs() < 2048.0 * f64::EPSILON);
 }
 
 #[test]

@@ -20,7 +20,7 @@ soa! {
         leaves: U32,
         /// The camera sample in the job: where the path's radiance is added up.
         slot: U32,
-        /// `y << 16 | x`: names the pixel to the sampler.
+        /// The pixel's name to the sampler; see `rng::pixel_name`.
         pixel: U32,
         /// Sample index within the pixel.
         sample: U32,

@@ -30,7 +30,7 @@ pub struct Independent {
 impl Sampler for Independent {
     #[inline(always)]
     fn draw4(&self, pixel: Ux, sample: Ux, block: Ux) -> [Fx; 4] {
-        pcg4d([pixel, sample, block, Ux::splat(self.seed)]).map(unit)
+        pcg4d([pixel, sample, block, scatter(Ux::splat(self.seed))]).map(unit)
     }
 }
 
@@ -52,6 +52,24 @@ pub const CAMERA_BLOCK: u32 = 0;
 #[must_use]
 pub fn block(bounces: Ux, what: Block) -> Ux {
     bounces + bounces + Ux::splat(1 + what as u32)
+}
+
+/// MurmurHash3's finalizer (A. Appleby), a bijection. Seeds and pixels pass through it because
+/// `pcg4d`'s highest input bits reach few output bits: seeds that differ in bit 30 or 31 alone would
+/// give renders that resemble each other, and so would rows of pixels far apart. The other words of
+/// the counter do not grow that large.
+#[inline(always)]
+fn scatter(word: Ux) -> Ux {
+    let h = (word ^ (word >> 16)) * Ux::splat(0x85eb_ca6b);
+    let h = (h ^ (h >> 13)) * Ux::splat(0xc2b2_ae35);
+    h ^ (h >> 16)
+}
+
+/// The word by which a pixel is known to samplers, for coordinates below 2^16.
+#[inline(always)]
+#[must_use]
+pub fn pixel_name(x: Ux, y: Ux) -> Ux {
+    scatter((y << 16) | x)
 }
 
 /// The hash itself, a bijection on 128 bits.

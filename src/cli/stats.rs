@@ -4,7 +4,7 @@
 use huygens::film::output::{OutputError, write_atomically};
 use huygens::scene::{Filter, Scene};
 use huygens::settings::{Integrator, Strategy};
-use huygens::wave::account::Dropped;
+use huygens::wave::Dropped;
 use huygens::wave::{RenderStats, StageStats};
 use serde::Serialize;
 use std::io::Write;

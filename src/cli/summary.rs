@@ -61,7 +61,7 @@ fn dropped(stats: &Stats) -> String {
     if d.total == 0 {
         return "none".to_owned();
     }
-    let one = |s: &huygens::wave::account::Dropped| {
+    let one = |s: &huygens::wave::Dropped| {
         let first = s
             .examples
             .first()
