@@ -7,7 +7,6 @@ use crate::cli::failure::{Failure, warn};
 use crate::cli::options::SceneOptions;
 use crate::cli::text::out;
 use contents::Contents;
-use huygens::scene;
 use miette::IntoDiagnostic;
 
 /// Show what a scene holds and what it needs, without rendering it
@@ -25,9 +24,7 @@ pub(crate) struct Args {
 /// Runs `huygens inspect`.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let path = &args.scene.scene;
-    let scene = scene::load(path)
-        .into_diagnostic()
-        .map_err(Failure::Input)?;
+    let scene = args.scene.load()?;
     warn(&scene.warnings, args.scene.strict)?;
     let contents = Contents::of(&scene, path, &[]);
     if args.json {

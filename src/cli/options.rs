@@ -1,8 +1,10 @@
 //! Options that several subcommands share, and parsers of their values.
 
+use crate::cli::failure::Failure;
 use clap::{Args, ValueEnum};
-use huygens::scene::{Filter, Scene};
+use huygens::scene::{self, Filter, Scene};
 use huygens::settings::{Integrator, Settings, Strategy};
+use miette::IntoDiagnostic;
 use std::path::PathBuf;
 
 /// The scene, and how strictly it is taken.
@@ -14,6 +16,14 @@ pub(crate) struct SceneOptions {
     /// Treat every warning about the scene or the options as an error (exit code 2)
     #[arg(long)]
     pub(crate) strict: bool,
+}
+
+impl SceneOptions {
+    /// Loads the scene; its warnings are not out yet.
+    pub(crate) fn load(&self) -> Result<Scene, Failure> {
+        let scene = scene::load(&self.scene).into_diagnostic();
+        scene.map_err(Failure::Input)
+    }
 }
 
 /// What the image depends on. Whatever is left out comes from the scene file, or else from the

@@ -12,9 +12,8 @@ use crate::cli::text::{bytes, out};
 use huygens::film::output::ensure_writable;
 use huygens::film::{Film, Image};
 use huygens::geometry::Geometry;
-use huygens::scene::{self, FilmSpec};
+use huygens::scene::FilmSpec;
 use huygens::wave;
-use miette::IntoDiagnostic;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -54,9 +53,9 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let interrupts = Interrupts::watch()?;
     let progress = Progress::new(args.quiet);
 
-    let load = || scene::load(path).into_diagnostic();
-    let (scene, load_seconds) = progress.phase(&format!("load {}", path.display()), load);
-    let mut scene = scene.map_err(Failure::Input)?;
+    let label = format!("load {}", path.display());
+    let (scene, load_seconds) = progress.phase(&label, || args.scene.load());
+    let mut scene = scene?;
     args.image.apply(&mut scene);
     args.work.apply(&mut scene.settings);
     let mut warnings = scene.warnings.clone();

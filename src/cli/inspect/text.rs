@@ -79,5 +79,7 @@ fn vertices(n: usize) -> String {
 }
 
 fn list(v: [f32; 3]) -> String {
-    format!("({}, {}, {})", v[0], v[1], v[2])
+    // Adding zero makes of -0, which only confuses here, 0.
+    let [x, y, z] = v.map(|c| c + 0.0);
+    format!("({x}, {y}, {z})")
 }
