@@ -1,6 +1,6 @@
 //! The scenes that ship load without a warning, and a bare OBJ is framed and lit.
 
-use huygens::scene::{self, Scene};
+use huygens::scene::{self, Material, Scene};
 use std::path::Path;
 
 fn load(name: &str) -> Scene {
@@ -84,4 +84,115 @@ fn furnace_is_closed_and_faces_inwards() {
         .collect();
     assert_eq!(edges.len(), 36, "every edge once in each direction");
     assert!(edges.iter().all(|&(a, b)| edges.contains(&(b, a))));
+}
+
+#[test]
+fn bedroom_is_of_sponzas_size_and_lit_by_its_pane() {
+    let scene = load("bedroom.toml");
+    assert!(scene.mesh.triangles() >= 66_445);
+    let pane = scene.materials.iter().position(Material::emits).unwrap();
+    for i in 0..scene.mesh.triangles() {
+        if scene.mesh.material[i] as usize == pane {
+            assert!(
+                area_vector(&scene, i).x > 0.0,
+                "the pane shines into the room"
+            );
+        }
+    }
+    let used = |m: &Material| {
+        let i = scene.materials.iter().position(|n| n == m).unwrap();
+        scene.mesh.material.contains(&(i as u32))
+    };
+    let brightest = scene.materials.iter().filter(|m| used(m));
+    let brightest = brightest.flat_map(|m| m.albedo).fold(0.0, f32::max);
+    assert_eq!(
+        brightest, 0.91,
+        "what the file says of its brightest reflectance"
+    );
+}
+
+#[test]
+fn veach_lights_have_equal_power() {
+    let scene = load("veach-lights.toml");
+    let mut power = std::collections::BTreeMap::new();
+    for i in 0..scene.mesh.triangles() {
+        let material = &scene.materials[scene.mesh.material[i] as usize];
+        if material.emits() {
+            let area = 0.5 * area_vector(&scene, i).length();
+            *power.entry(&material.name).or_insert(0.0) +=
+                area * std::f64::consts::PI * f64::from(material.emission[0]);
+        }
+    }
+    assert_eq!(power.len(), 4);
+    for (name, watts) in power {
+        // An edge of e between coordinates of up to 4 is off by at most 2^-23 * 4 / e, relatively;
+        // e is at least 0.05, and an area has two edges.
+        let relative = 2.0 * 4.0 / 0.05 * f64::from(f32::EPSILON);
+        let exact = std::f64::consts::PI * 6.0 * 2.56;
+        assert!((watts / exact - 1.0).abs() <= relative, "{name}: {watts} W");
+    }
+}
+
+#[test]
+fn the_documented_example_loads_and_says_what_its_comments_say() {
+    let text = include_str!("../docs/scene-format.md");
+    let example = text.split("```toml\n").nth(1).unwrap();
+    let example = example.split("```").next().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("example.toml");
+    std::fs::write(&path, example).unwrap();
+    let scene = scene::load(&path).unwrap();
+    keeps_its_promises(&scene);
+    assert_eq!(scene.warnings, Vec::<String>::new());
+    let normal_of = |name: &str| {
+        let material = scene.materials.iter().position(|m| m.name == name).unwrap();
+        let first = scene
+            .mesh
+            .material
+            .iter()
+            .position(|&m| m as usize == material);
+        area_vector(&scene, first.unwrap()).normalize().to_array()
+    };
+    assert_eq!(normal_of("lamp"), [0.0, -1.0, 0.0], "shines downwards");
+    assert_eq!(normal_of("default"), [0.0, 1.0, 0.0], "the floor faces up");
+}
+
+#[test]
+fn the_hash_follows_the_image_and_not_the_layout() {
+    let hash = |text: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("s.toml");
+        std::fs::write(&path, text).unwrap();
+        scene::load(&path).unwrap().hash
+    };
+    let shape = "[[shapes]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n";
+    let base = hash(shape);
+    assert_eq!(
+        base,
+        hash(&format!(
+            "# a comment\nname = \"x\"\n[settings]\nspp = 3\n{shape}"
+        ))
+    );
+    for other in [
+        "[sky]\nradiance = 0\n",
+        "[film]\nwidth = 1281\n",
+        "[film]\nfilter = \"box\"\n",
+        "[camera]\norigin = [5, 5, 5]\ntarget = [0, 0, 0]\n",
+        "[materials.a]\n",
+    ] {
+        assert_ne!(base, hash(&format!("{other}{shape}")), "{other}");
+    }
+    assert_ne!(base, hash(&shape.replace("max = [1", "max = [2")));
+}
+
+#[test]
+fn a_bare_obj_gets_a_camera_and_a_sky() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plain.OBJ");
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let scene = scene::load(&path).unwrap();
+    keeps_its_promises(&scene);
+    assert_eq!(scene.name, "plain");
+    assert_eq!(scene.sky, Some([1.0; 3]));
+    assert_eq!(scene.warnings, Vec::<String>::new());
 }

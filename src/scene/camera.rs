@@ -5,7 +5,7 @@ use super::degrees;
 use super::description::{Camera, FovAxis};
 use super::error::SceneError;
 use super::toml::SceneFile;
-use super::transform::{affine, is_singular, vector};
+use super::transform::{affine, direction, is_singular, vector};
 use super::values::Finite;
 use glam::DVec3;
 use std::ops::Range;
@@ -26,7 +26,7 @@ pub(super) fn compile(
         }
         (None, Some(origin), Some(target)) => {
             let (from, to) = (vector(*origin.get_ref()), vector(*target.get_ref()));
-            let Some(forward) = (to - from).try_normalize() else {
+            let Some(forward) = direction(to - from) else {
                 let message = "target and origin are the same point, expected two";
                 return Err(file.error(target.span(), message));
             };
@@ -34,17 +34,18 @@ pub(super) fn compile(
                 Some(up) => (vector(*up.get_ref()), up.span()),
                 None => (DVec3::Y, target.span()),
             };
-            if up == DVec3::ZERO {
+            let Some(up_unit) = direction(up) else {
                 return Err(file.error(up_span, "up is zero, expected a direction"));
-            }
+            };
             // What is lost to cancellation in target - origin turns the direction by as much.
             let lost = (from.abs() + to.abs()).max_element() / (to - from).length();
-            if is_parallel(forward, up, lost) {
+            if is_parallel(forward, up_unit, lost) {
                 let up = up.to_array();
-                let message = format!("the camera looks along its up vector {up:?}");
+                let message =
+                    format!("the camera looks along its up vector {up:?}, expected another");
                 return Err(file.error(up_span, message));
             }
-            (from, forward, up)
+            (from, forward, up_unit)
         }
         _ => {
             let message = "expected either `origin` and `target` (and `up`) or `matrix`";
@@ -65,18 +66,19 @@ fn from_matrix(rows: &[[Finite; 4]; 4]) -> Result<(DVec3, DVec3, DVec3), String>
     if map.matrix3.determinant() < 0.0 {
         return Err("the camera's matrix mirrors, expected right, up and back columns".to_owned());
     }
-    let [_, up, back] = [map.matrix3.x_axis, map.matrix3.y_axis, map.matrix3.z_axis];
-    Ok((map.translation, -back.normalize(), up))
+    let unit = |v| direction(v).ok_or_else(|| "the camera's matrix is singular".to_owned());
+    let [up, back] = [unit(map.matrix3.y_axis)?, unit(map.matrix3.z_axis)?];
+    Ok((map.translation, -back, up))
 }
 
-/// Whether unit `forward` and `up` span no plane, beyond rounding: each normalised component
+/// Whether unit vectors `forward` and `up` span no plane, beyond rounding: each normalised component
 /// carries at most 3 roundings, each component of the cross product 3 more on terms of at most 1.
 fn is_parallel(forward: DVec3, up: DVec3, lost: f64) -> bool {
-    let up = (up / up.abs().max_element()).normalize();
     forward.cross(up).length() <= 16.0 * f64::EPSILON * (1.0 + lost)
 }
 
-/// An orthonormal frame looking along unit `forward`. `None` where f32 cannot hold it.
+/// An orthonormal frame looking along `forward`, with `up`, both unit vectors, as near to upright
+/// as that allows. `None` where f32 cannot hold it.
 fn frame(
     origin: DVec3,
     forward: DVec3,
@@ -85,8 +87,7 @@ fn frame(
     axis: FovAxis,
     film: FilmSpec,
 ) -> Option<Perspective> {
-    let up = up / up.abs().max_element();
-    let right = forward.cross(up.normalize()).normalize();
+    let right = forward.cross(up).normalize();
     let up = right.cross(forward);
     let (sin, cos) = degrees::sin_cos(fov / 2.0);
     let half = sin / cos;
@@ -115,31 +116,91 @@ fn frame(
     holds.then_some(camera)
 }
 
-/// A three-quarter view, y up, in which the mesh's bounding sphere just fits. Without a mesh: from
-/// the world's origin along -z. `None` where the mesh is too large to stand back from.
+/// A three-quarter view, y up, from as near as all of the mesh can be seen, and a little further.
+/// Without a mesh: from the world's origin along -z. `None` where the mesh is too large to stand
+/// back from.
 pub(super) fn framing(mesh: &Mesh, film: FilmSpec) -> Option<Perspective> {
+    let view = |origin, forward| frame(origin, forward, DVec3::Y, FOV, FovAxis::Smaller, film);
     let corners = || {
         let vertex = |&v: &u32| DVec3::from_array(mesh.vertices[v as usize].map(f64::from));
         mesh.indices.iter().flatten().map(vertex)
     };
     let Some(first) = corners().next() else {
-        return frame(
-            DVec3::ZERO,
-            DVec3::NEG_Z,
-            DVec3::Y,
-            FOV,
-            FovAxis::Smaller,
-            film,
-        );
+        return view(DVec3::ZERO, DVec3::NEG_Z);
     };
     let (low, high) = corners().fold((first, first), |(l, h), v| (l.min(v), h.max(v)));
     let centre = 0.5 * (low + high);
-    let radius = corners()
-        .map(|v| v.distance_squared(centre))
-        .fold(0.0, f64::max)
-        .sqrt();
     let towards = DVec3::new(0.55, 0.4, 0.75).normalize();
-    let distance = radius / degrees::sin_cos(FOV / 2.0).0;
-    let origin = centre + distance * towards;
-    frame(origin, -towards, DVec3::Y, FOV, FovAxis::Smaller, film)
+    let at_centre = view(centre, -towards)?;
+    let axis = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+    let right = axis(at_centre.right) / f64::from(at_centre.half_width);
+    let up = axis(at_centre.up) / f64::from(at_centre.half_height);
+    // A point is in the image if neither offset exceeds its depth, which is the camera's distance
+    // less how far the point lies towards the camera.
+    let distance = corners()
+        .map(|v| v - centre)
+        .map(|v| v.dot(towards) + v.dot(right).abs().max(v.dot(up).abs()))
+        .fold(0.0, f64::max);
+    let margin = 0.05 * (high - low).length();
+    view(centre + (distance + margin) * towards, -towards)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Filter;
+    use proptest::prelude::*;
+
+    fn film(width: u32, height: u32) -> FilmSpec {
+        FilmSpec {
+            width,
+            height,
+            filter: Filter::Box,
+        }
+    }
+
+    #[test]
+    fn field_of_view_spans_the_axis_it_names() {
+        let halves = |axis, film| {
+            let camera = frame(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 90.0, axis, film).unwrap();
+            assert_eq!(camera.right, [1.0, 0.0, 0.0]);
+            assert_eq!(camera.up, [0.0, 1.0, 0.0]);
+            (camera.half_width, camera.half_height)
+        };
+        // The tangent of 45 degrees is 1 to an ulp of f64, so exactly in f32.
+        assert_eq!(halves(FovAxis::X, film(200, 100)), (1.0, 0.5));
+        assert_eq!(halves(FovAxis::Y, film(200, 100)), (2.0, 1.0));
+        assert_eq!(halves(FovAxis::Smaller, film(200, 100)), (2.0, 1.0));
+        assert_eq!(halves(FovAxis::Smaller, film(100, 200)), (1.0, 2.0));
+    }
+
+    proptest! {
+        /// Every vertex of a framed mesh is in front of the camera and in the image.
+        #[test]
+        fn framing_shows_the_whole_mesh(
+            vertices in prop::collection::vec(prop::array::uniform3(-1.0f32..1.0), 3..20),
+            scale in -20i32..20,
+            shift in -100.0f32..100.0,
+            portrait: bool,
+        ) {
+            let scale = 2.0f32.powi(scale);
+            let vertices: Vec<_> = vertices.iter().map(|v| v.map(|x| (x + shift) * scale)).collect();
+            let last = vertices.len() as u32 - 1;
+            let mesh = Mesh {
+                indices: (0..last - 1).map(|i| [i, i + 1, last]).collect(),
+                vertices,
+                material: Vec::new(),
+            };
+            let film = if portrait { film(90, 160) } else { film(160, 90) };
+            let camera = framing(&mesh, film).unwrap();
+            let axis = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+            for &v in &mesh.vertices {
+                let to = axis(v) - axis(camera.origin);
+                let depth = to.dot(axis(camera.forward));
+                prop_assert!(depth > 0.0);
+                prop_assert!(to.dot(axis(camera.right)).abs() <= depth * f64::from(camera.half_width));
+                prop_assert!(to.dot(axis(camera.up)).abs() <= depth * f64::from(camera.half_height));
+            }
+        }
+    }
 }

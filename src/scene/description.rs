@@ -14,6 +14,7 @@ use toml::Spanned;
 /// A whole scene file.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
+#[serde(expecting = "a scene")]
 pub(super) struct Description {
     pub(super) name: Option<String>,
     pub(super) camera: Option<Spanned<Camera>>,
@@ -27,6 +28,7 @@ pub(super) struct Description {
 /// `[camera]`
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default, rename_all = "snake_case")]
+#[serde(expecting = "a table such as { origin = [0, 0, 5], target = [0, 0, 0] }")]
 pub(super) struct Camera {
     pub(super) origin: Option<Spanned<[Finite; 3]>>,
     pub(super) target: Option<Spanned<[Finite; 3]>>,
@@ -49,6 +51,7 @@ pub(super) enum FovAxis {
 /// `[film]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
+#[serde(expecting = "a table such as { width = 640, height = 480 }")]
 pub(super) struct Film {
     pub(super) width: Pixels,
     pub(super) height: Pixels,
@@ -68,6 +71,7 @@ impl Default for Film {
 /// `[settings]`: what is given replaces the default of [`crate::settings::Settings`].
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
+#[serde(expecting = "a table such as { spp = 64 }")]
 pub(super) struct Settings {
     pub(super) integrator: Option<Integrator>,
     pub(super) strategy: Option<Strategy>,
@@ -81,6 +85,7 @@ pub(super) struct Settings {
 /// `[sky]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[serde(expecting = "a table such as { radiance = 1 }")]
 pub(super) struct Sky {
     pub(super) radiance: OneOrThree<NonNegative>,
 }
@@ -88,6 +93,7 @@ pub(super) struct Sky {
 /// `[materials.NAME]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
+#[serde(expecting = "a table such as { albedo = 0.5 }")]
 pub(super) struct Material {
     pub(super) albedo: OneOrThree<Unit>,
     pub(super) emission: OneOrThree<NonNegative>,
@@ -107,6 +113,7 @@ impl Default for Material {
 /// `[[shapes]]`: exactly one of the first four, which `shapes::kind` checks.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
+#[serde(expecting = "a table such as { obj = \"file.obj\" }")]
 pub(super) struct Shape {
     pub(super) obj: Option<Spanned<String>>,
     pub(super) rectangle: Option<Rectangle>,
@@ -122,6 +129,7 @@ pub(super) struct Shape {
 /// counter-clockwise from the first to the second.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[serde(expecting = "a table of `corner` and `edges`")]
 pub(super) struct Rectangle {
     pub(super) corner: [Finite; 3],
     pub(super) edges: [[Finite; 3]; 2],
@@ -130,6 +138,7 @@ pub(super) struct Rectangle {
 /// An axis-aligned box whose fronts face outwards, or inwards.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[serde(expecting = "a table of `min` and `max`")]
 pub(super) struct Cuboid {
     pub(super) min: [Finite; 3],
     pub(super) max: [Finite; 3],
@@ -140,6 +149,7 @@ pub(super) struct Cuboid {
 /// Polygons over shared vertices, indices from 0, counter-clockwise seen from the front.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[serde(expecting = "a table of `vertices` and `faces`")]
 pub(super) struct InlineMesh {
     pub(super) vertices: Vec<[Finite; 3]>,
     pub(super) faces: Vec<Spanned<Vec<Natural>>>,

@@ -60,7 +60,7 @@ impl SceneFile {
             return SceneError::file(&self.path, message);
         };
         let Some(unknown) = Unknown::parse(message) else {
-            return self.error(span, message);
+            return self.error(span, plain_words(message));
         };
         let hint = suggest(unknown.found, &unknown.expected);
         if unknown.is_key {
@@ -73,6 +73,19 @@ impl SceneFile {
             self.error(span, format!("unknown value `{}`, {hint}", unknown.found))
         }
     }
+}
+
+/// serde's other messages: "found ..., expected ..." like those of this crate.
+fn plain_words(message: &str) -> String {
+    [
+        ("missing field ", "missing key "),
+        ("invalid type: ", "found "),
+        ("invalid value: ", "found "),
+        ("invalid length ", "found an array of length "),
+    ]
+    .iter()
+    .find_map(|(theirs, ours)| Some(format!("{ours}{}", message.strip_prefix(theirs)?)))
+    .unwrap_or_else(|| message.to_owned())
 }
 
 /// serde's message about a name that it does not know: "unknown field `a`, expected one of `b`,

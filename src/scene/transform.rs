@@ -37,6 +37,12 @@ pub(super) fn vector(v: [Finite; 3]) -> DVec3 {
     DVec3::from_array(v.map(|x| x.0))
 }
 
+/// The unit vector along `v`, if it has a direction.
+pub(super) fn direction(v: DVec3) -> Option<DVec3> {
+    // Scaled first, so that the squares of tiny or huge components neither vanish nor overflow.
+    (v / v.abs().max_element()).try_normalize()
+}
+
 /// The affine map of a 4x4 matrix whose last row says that it is one.
 pub(super) fn affine(rows: &[[Finite; 4]; 4]) -> Result<DAffine3, String> {
     let last = rows[3].map(|x| x.0);
@@ -74,7 +80,7 @@ impl Transform {
             }
         };
         if is_singular(&map.matrix3) {
-            return Err("the matrix is singular: it flattens the shape".to_owned());
+            return Err("the transformation is singular: it flattens the shape".to_owned());
         }
         Ok(map)
     }
@@ -94,9 +100,7 @@ impl Step {
 impl Rotation {
     /// Rodrigues' formula, column by column.
     fn compile(self) -> Result<DAffine3, String> {
-        let axis = vector(self.axis);
-        // Scaled first, so that the square of a tiny or huge axis neither vanishes nor overflows.
-        let Some(k) = (axis / axis.abs().max_element()).try_normalize() else {
+        let Some(k) = direction(vector(self.axis)) else {
             return Err("the axis of a rotation has no direction".to_owned());
         };
         let (sin, cos) = degrees::sin_cos(self.degrees.0);
@@ -152,5 +156,55 @@ impl<'de> Deserialize<'de> for Transform {
             (Some(rows), true) => Ok(Self::Matrix(rows)),
             _ => Err(D::Error::custom("expected four rows, or a list of steps")),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where a transformation, written as in a scene file, takes (1, 2, 3).
+    fn placed(text: &str) -> [f64; 3] {
+        #[derive(Deserialize)]
+        struct Table {
+            t: Transform,
+        }
+        let table: Table = toml::from_str(&format!("t = {text}")).unwrap();
+        let map = table.t.compile().unwrap();
+        map.transform_point3(DVec3::new(1.0, 2.0, 3.0)).to_array()
+    }
+
+    #[test]
+    fn steps_apply_in_the_order_written() {
+        assert_eq!(placed("[]"), [1.0, 2.0, 3.0]);
+        let (scale, shift) = ("{ scale = [2, 3, 4] }", "{ translate = [10, 20, 30] }");
+        assert_eq!(placed(&format!("[{scale}, {shift}]")), [12.0, 26.0, 42.0]);
+        assert_eq!(placed(&format!("[{shift}, {scale}]")), [22.0, 66.0, 132.0]);
+    }
+
+    #[test]
+    fn rotation_is_right_handed_and_exact_at_quarter_turns() {
+        let turn = |axis: &str| {
+            placed(&format!(
+                "[{{ rotate = {{ axis = {axis}, degrees = 90 }} }}]"
+            ))
+        };
+        assert_eq!(turn("[1, 0, 0]"), [1.0, -3.0, 2.0]);
+        assert_eq!(turn("[0, 7, 0]"), [3.0, 2.0, -1.0]);
+        assert_eq!(turn("[0, 0, 1e-200]"), [-2.0, 1.0, 3.0]);
+    }
+
+    #[test]
+    fn matrices_are_rows_that_multiply_column_vectors() {
+        let text = "[[1, 0, 0, 5], [0, 0, -1, 6], [0, 1, 0, 7], [0, 0, 0, 1]]";
+        assert_eq!(placed(text), [6.0, 3.0, 9.0]);
+    }
+
+    #[test]
+    fn small_is_not_singular() {
+        assert_eq!(
+            placed("[{ scale = 1e-30 }, { scale = 1e30 }]").map(f64::round),
+            [1.0, 2.0, 3.0]
+        );
     }
 }

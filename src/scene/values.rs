@@ -1,7 +1,7 @@
 //! Numbers as scene files write them, checked while they are read, so that an error points at the
 //! number itself.
 
-use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Unexpected, Visitor, value};
+use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor, value};
 use std::fmt;
 use std::marker::PhantomData;
 
@@ -25,7 +25,7 @@ macro_rules! number {
                         if $holds {
                             Ok($name($x))
                         } else {
-                            Err(E::invalid_value(Unexpected::Float($x), &self))
+                            Err(E::custom(format_args!("found {:?}, expected {}", $x, $expected)))
                         }
                     }
                     fn visit_i64<E: Error>(self, whole: i64) -> Result<$name, E> {
@@ -33,7 +33,7 @@ macro_rules! number {
                         if $holds {
                             Ok($name($x))
                         } else {
-                            Err(E::invalid_value(Unexpected::Signed(whole), &self))
+                            Err(E::custom(format_args!("found {whole}, expected {}", $expected)))
                         }
                     }
                 }
@@ -85,7 +85,7 @@ macro_rules! whole {
                     fn visit_i64<E: Error>(self, x: i64) -> Result<$name, E> {
                         match u32::try_from(x) {
                             Ok(small) if $range.contains(&small) => Ok($name(small)),
-                            _ => Err(E::invalid_value(Unexpected::Signed(x), &self)),
+                            _ => Err(E::custom(format_args!("found {x}, expected {}", $expected))),
                         }
                     }
                 }

@@ -43,7 +43,7 @@ fn materials(path: &Path, scanned: &Scanned, imported: &mut Imported) {
             if let Err(e) = library.read(&file) {
                 complete = false;
                 imported.warnings.push(format!(
-                    "{}:{line}: material library {}: {}; its materials are grey",
+                    "{}:{line}: material library {}: {}; its materials are taken as grey",
                     path.display(),
                     file.display(),
                     io_message(&e),
@@ -51,18 +51,25 @@ fn materials(path: &Path, scanned: &Scanned, imported: &mut Imported) {
             }
         }
     }
+    let mut unknown = Vec::new();
     for name in &scanned.names {
         let material = library.material(name);
-        // Of a missing library no name can be found: it was warned about already.
-        if material.is_none() && !name.is_empty() && complete {
-            imported.warnings.push(format!(
-                "{}: material `{name}` is in no MTL file; it is grey",
-                path.display(),
-            ));
+        if material.is_none() && !name.is_empty() {
+            unknown.push(name);
         }
+        let material = material.unwrap_or_else(|| mtl::grey(name));
+        imported.materials.push(material);
+    }
+    // Of a missing library no name can be found: that was warned about already.
+    if let (true, [first, more @ ..]) = (complete, &unknown[..]) {
+        let names = match more.len() {
+            0 => format!("material `{first}` is"),
+            n => format!("material `{first}` and {n} more are"),
+        };
+        let file = path.display();
         imported
-            .materials
-            .push(material.unwrap_or_else(|| mtl::grey(name)));
+            .warnings
+            .push(format!("{file}: {names} in no MTL file; taken as grey"));
     }
     let used = |name: &str| scanned.names.iter().any(|n| n == name);
     imported.warnings.extend(library.warnings(used));

@@ -18,8 +18,8 @@ pub(super) struct Scanned {
     pub(super) plain: String,
     /// Names of MTL files as written, with their lines.
     pub(super) libraries: Vec<(usize, String)>,
-    /// Names of materials in the order of their first use; `usemtl` numbers index this. The first
-    /// is of faces before any `usemtl`, and empty.
+    /// Names of materials in the order of their first face; `usemtl` numbers index this. Faces
+    /// before any `usemtl` have the empty name.
     pub(super) names: Vec<String>,
     /// Faces with at least three corners.
     pub(super) faces: usize,
@@ -73,14 +73,14 @@ pub(super) fn split(statement: &str) -> (&str, &str) {
 
 /// Scans the text of the OBJ file at `path`.
 pub(super) fn scan(path: &Path, text: &str) -> Result<Scanned, SceneError> {
-    let mut found = Scanned {
-        names: vec![String::new()],
-        ..Scanned::default()
-    };
+    let mut found = Scanned::default();
     let mut vertices = String::with_capacity(text.len() + 16);
     vertices.push_str("mtllib materials\n");
     let mut faces = String::with_capacity(text.len() / 2);
     let mut numbers = std::collections::HashMap::new();
+    let mut material = String::new();
+    // Whether the faces to come need a `usemtl`: names that no face uses are passed over.
+    let mut changed = true;
     let mut count = 0usize;
     let mut largest = (0usize, 0usize);
     let mut corners = Vec::new();
@@ -112,6 +112,14 @@ pub(super) fn scan(path: &Path, text: &str) -> Result<Scanned, SceneError> {
                     continue;
                 }
                 found.faces += 1;
+                if std::mem::take(&mut changed) {
+                    let next = found.names.len();
+                    let number = *numbers.entry(material.clone()).or_insert(next);
+                    if number == next {
+                        found.names.push(material.clone());
+                    }
+                    let _ = writeln!(faces, "usemtl {number}");
+                }
                 faces.push('f');
                 for index in &corners {
                     let _ = write!(faces, " {index}");
@@ -119,12 +127,8 @@ pub(super) fn scan(path: &Path, text: &str) -> Result<Scanned, SceneError> {
                 faces.push('\n');
             }
             "usemtl" => {
-                let next = found.names.len();
-                let number = *numbers.entry(rest.to_owned()).or_insert(next);
-                if number == next {
-                    found.names.push(rest.to_owned());
-                }
-                let _ = writeln!(faces, "usemtl {number}");
+                rest.clone_into(&mut material);
+                changed = true;
             }
             "mtllib" => found.libraries.push((line, rest.to_owned())),
             "surf" | "curv" | "curv2" | "cstype" => found.free_form = true,
