@@ -23,6 +23,7 @@ use glam::DVec3;
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 use std::f64::consts::{PI, TAU};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Deepest recursion, at a good 256 bytes a level: within half of a thread's usual stack of 2 MiB.
 /// What is cut at an albedo of 0.99 is below e^-20 of the answer.
@@ -203,23 +204,23 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// Renders the samples of `job` into their slots of `out`, which must have room for them.
+    /// Renders the samples of `job` into their slots of `out`, which must have room for them. Returns
+    /// false, with slots missing, if `stop` is raised before it is done.
     ///
     /// A sample is a function of (seed, pixel, sample index) alone, so the image does not depend
     /// on how it is cut into jobs.
-    pub fn render_job(&self, job: &Job, out: &mut SampleBuffer) {
-        let mut slot = 0;
-        for y in job.tile.y..job.tile.y + job.tile.height {
-            for x in job.tile.x..job.tile.x + job.tile.width {
-                for sample in job.first_sample..job.first_sample + job.samples {
-                    let radiance = self.render_sample(x, y, sample);
-                    for (column, value) in out.radiance.iter_mut().zip(radiance) {
-                        column[slot] = value as f32;
-                    }
-                    slot += 1;
-                }
+    pub fn render_job(&self, job: &Job, out: &mut SampleBuffer, stop: &AtomicBool) -> bool {
+        for slot in 0..job.slots() {
+            if stop.load(Ordering::Relaxed) {
+                return false;
+            }
+            let (x, y, sample) = job.sample_of(slot as u32);
+            let radiance = self.render_sample(x, y, sample);
+            for (column, value) in out.radiance.iter_mut().zip(radiance) {
+                column[slot] = value as f32;
             }
         }
+        true
     }
 
     /// Radiance of one camera sample of pixel (`x`, `y`), from the top left corner.

@@ -10,6 +10,7 @@ use huygens::film::{Job, SampleBuffer, Tile};
 use huygens::reference::Reference;
 use huygens::scene::Scene;
 use huygens::settings::{Settings, Strategy};
+use std::sync::atomic::AtomicBool;
 
 fn settings(strategy: Strategy, max_depth: u32, spp: u32) -> Settings {
     Settings {
@@ -108,7 +109,7 @@ fn the_image_does_not_depend_on_how_it_is_cut_into_jobs() {
     let reference = Reference::new(&scene, &settings(Strategy::Uniform, 3, 64));
     let render = |job: &Job| {
         let mut buffer = SampleBuffer::new(job.slots());
-        reference.render_job(job, &mut buffer);
+        assert!(reference.render_job(job, &mut buffer, &AtomicBool::new(false)));
         buffer
     };
     let tile = |x, y, width, height| Tile {

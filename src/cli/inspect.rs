@@ -7,6 +7,7 @@ use crate::cli::failure::{Failure, warn};
 use crate::cli::options::SceneOptions;
 use crate::cli::text::out;
 use contents::Contents;
+use huygens::geometry::Geometry;
 use miette::IntoDiagnostic;
 
 /// Show what a scene holds and what it needs, without rendering it
@@ -26,7 +27,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let path = &args.scene.scene;
     let scene = args.scene.load()?;
     warn(&scene.warnings, args.scene.strict)?;
-    let contents = Contents::of(&scene, path, &[]);
+    let geometry = Geometry::build(&scene.mesh);
+    let contents = Contents::of(&scene, path, &geometry.memory());
     if args.json {
         let json = serde_json::to_string_pretty(&contents).into_diagnostic();
         out(&(json.map_err(Failure::Other)? + "\n"));

@@ -4,7 +4,6 @@ use crate::cli::failure::Failure;
 use clap::{Args, ValueEnum};
 use huygens::scene::{self, Filter, Scene};
 use huygens::settings::{Integrator, Settings, Strategy};
-use miette::IntoDiagnostic;
 use std::path::PathBuf;
 
 /// The scene, and how strictly it is taken.
@@ -21,7 +20,7 @@ pub(crate) struct SceneOptions {
 impl SceneOptions {
     /// Loads the scene; its warnings are not out yet.
     pub(crate) fn load(&self) -> Result<Scene, Failure> {
-        let scene = scene::load(&self.scene).into_diagnostic();
+        let scene = scene::load(&self.scene).map_err(miette::Report::new);
         scene.map_err(Failure::Input)
     }
 }

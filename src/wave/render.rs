@@ -83,8 +83,7 @@ impl<'a> Oracle<'a> {
 
 impl scheduler::Worker for Oracle<'_> {
     fn trace(&mut self, job: &Job, samples: &mut SampleBuffer, stop: &AtomicBool) -> bool {
-        self.reference.render_job(job, samples);
-        !stop.load(Ordering::Relaxed)
+        self.reference.render_job(job, samples, stop)
     }
 
     fn rays(&mut self) -> u64 {

@@ -73,6 +73,18 @@ impl<'a> Jobs<'a> {
     }
 }
 
+/// Raises the stop flag if its worker panics: a job that is never put on the film must not keep its
+/// successors waiting.
+struct StopOnPanic<'a>(&'a AtomicBool);
+
+impl Drop for StopOnPanic<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
 /// Runs all jobs of `settings` on its threads, a worker each, and returns the workers.
 pub(crate) fn run<W: Worker>(
     film: &Film,
@@ -83,6 +95,7 @@ pub(crate) fn run<W: Worker>(
     let jobs = Jobs::new(film, settings.spp);
     let next = AtomicUsize::new(0);
     let work = || {
+        let _guard = StopOnPanic(&control.stop);
         let mut worker = worker();
         let mut samples = SampleBuffer::new(jobs.slots());
         while !control.stop.load(Ordering::Relaxed) {
