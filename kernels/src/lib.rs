@@ -10,10 +10,12 @@
 //! reaches a result.
 
 pub mod bvh;
+pub mod flight;
 pub mod hemisphere;
 pub mod lanes;
 pub mod math;
 pub mod order;
+pub mod query;
 pub mod rays;
 pub mod rng;
 pub mod slabs;
