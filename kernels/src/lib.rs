@@ -10,6 +10,7 @@
 //! reaches a result.
 
 pub mod bvh;
+pub mod few;
 pub mod flight;
 pub mod hemisphere;
 pub mod lanes;
