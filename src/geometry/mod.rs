@@ -6,6 +6,7 @@
 mod build;
 mod collapse;
 mod layout;
+mod pages;
 mod ploc;
 
 use crate::scene::Mesh;
