@@ -23,3 +23,4 @@ pub mod slabs;
 pub mod traverse;
 pub mod triangle;
 pub mod vec3;
+pub mod vector;

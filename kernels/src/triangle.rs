@@ -17,8 +17,8 @@
 //! seen edge-on, or without area, is never hit. Reads 160 bytes a block.
 
 use crate::bvh::Block;
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Not, Sub};
-use wide::{f32x4, f32x8};
+use crate::vector::Lanes;
+use wide::f32x4;
 
 /// Edge functions below this, and triangles whose doubled area, seen from the ray, is above its
 /// reciprocal, are decided in f64. It is no tolerance (both ways of deciding give an answer, and
@@ -50,89 +50,6 @@ pub struct Candidates<V> {
     /// Barycentric weight of the third corner, at least 0; `u + v` is at most 1 to rounding.
     pub v: V,
 }
-
-/// What the test needs of a vector. A lane is a triangle (one ray, a block) or a ray (one
-/// triangle, many rays); the arithmetic is the same, and so are the bits.
-pub trait Lanes:
-    Copy
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + BitAnd<Output = Self>
-    + BitOr<Output = Self>
-    + Not<Output = Self>
-{
-    /// The same number in every lane.
-    fn splat(x: f32) -> Self;
-    /// `self * a + b`, fused.
-    fn mul_add(self, a: Self, b: Self) -> Self;
-    /// `b - self * a`, fused.
-    fn mul_neg_add(self, a: Self, b: Self) -> Self;
-    /// Absolute values.
-    fn abs(self) -> Self;
-    /// The lesser of two, either if one is NaN.
-    fn fast_min(self, other: Self) -> Self;
-    /// `self < other`.
-    fn less(self, other: Self) -> Self;
-    /// `self <= other`.
-    fn at_most(self, other: Self) -> Self;
-    /// Whether a mask is true everywhere.
-    fn all(self) -> bool;
-    /// The numbers.
-    fn lanes(&self) -> &[f32];
-    /// The numbers.
-    fn lanes_mut(&mut self) -> &mut [f32];
-}
-
-macro_rules! lanes {
-    ($vector:ty) => {
-        impl Lanes for $vector {
-            #[inline(always)]
-            fn splat(x: f32) -> Self {
-                Self::splat(x)
-            }
-            #[inline(always)]
-            fn mul_add(self, a: Self, b: Self) -> Self {
-                self.mul_add(a, b)
-            }
-            #[inline(always)]
-            fn mul_neg_add(self, a: Self, b: Self) -> Self {
-                self.mul_neg_add(a, b)
-            }
-            #[inline(always)]
-            fn abs(self) -> Self {
-                self.abs()
-            }
-            #[inline(always)]
-            fn fast_min(self, other: Self) -> Self {
-                self.fast_min(other)
-            }
-            #[inline(always)]
-            fn less(self, other: Self) -> Self {
-                self.simd_lt(other)
-            }
-            #[inline(always)]
-            fn at_most(self, other: Self) -> Self {
-                self.simd_le(other)
-            }
-            #[inline(always)]
-            fn all(self) -> bool {
-                self.all()
-            }
-            #[inline(always)]
-            fn lanes(&self) -> &[f32] {
-                self.as_array()
-            }
-            #[inline(always)]
-            fn lanes_mut(&mut self) -> &mut [f32] {
-                self.as_mut_array()
-            }
-        }
-    };
-}
-lanes!(f32x4);
-lanes!(f32x8);
 
 /// A direction with its largest component in `[1, 2)`, and the power of two that made it so.
 /// `None` if it is zero or not finite.
