@@ -150,9 +150,14 @@ impl scheduler::Worker for Wave<'_> {
             }
             let start = Instant::now();
             let scatter = lists.scatter.of(at, hit);
-            shade::surface(
-                program, scatter, tables, sampler, scattered, shadows, samples,
-            );
+            let sinks = shade::Sinks {
+                scattered,
+                shadows,
+                samples,
+            };
+            shade::surface(program, scatter, tables, sampler, sinks, |slot| {
+                account.drop_sample(Stage::Scatter.name(), job.sample_of(slot));
+            });
             let cast = Tally::of(&shadows.view().bounces[..shadows.len()], 0);
             let on = Tally::of(&scattered.view().bounces[..scattered.len()], 0);
             account.book(
