@@ -17,14 +17,16 @@ mod scheduler;
 mod setup;
 mod shade;
 mod sort;
+mod stats;
 mod tables;
+mod tally;
 
-pub use account::{BounceStats, Dropped, RenderStats, StageStats};
 pub use control::Control;
 pub use render::render;
+pub use stats::{BounceStats, Dropped, RenderStats, StageStats};
 
 use crate::film::{Job, SampleBuffer};
-use account::{Account, Stage, Tally};
+use account::{Account, Stage};
 use generate::Source;
 use huygens_kernels::compact::Kept;
 use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
@@ -33,6 +35,7 @@ use setup::Setup;
 use sort::Lists;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
+use tally::Tally;
 
 /// One worker's wave: its queues, allocated once.
 struct Wave<'a> {
