@@ -1,7 +1,7 @@
 //! Wavefront MTL: what a Lambertian material takes of it, `Kd` and `Ke`, and warnings for what
 //! would change the picture but is not supported.
 
-use super::scan::{split, statements, text};
+use super::statements::{split, statements, text};
 use crate::scene::compiled::Material;
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
