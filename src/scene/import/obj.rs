@@ -25,8 +25,13 @@ const PIECE: usize = 1 << 20;
 /// A file that is missing or has no faces, an index of no vertex, a coordinate that is no finite
 /// number: with the line.
 pub(super) fn load(path: &Path, read: &AtomicU64) -> Result<Imported, SceneError> {
+    load_by(path, read, PIECE)
+}
+
+/// The same in pieces of `size` bytes.
+fn load_by(path: &Path, read: &AtomicU64, size: usize) -> Result<Imported, SceneError> {
     let mut reading = Reading::default();
-    batches(path, read, |pieces| reading.append(path, pieces))?;
+    batches(path, read, size, |pieces| reading.append(path, pieces))?;
     if reading.largest.0 > reading.vertices.len() as u64 {
         let (index, line) = reading.largest;
         let count = reading.vertices.len();
@@ -46,7 +51,7 @@ pub(super) fn load(path: &Path, read: &AtomicU64) -> Result<Imported, SceneError
 /// [`load`] to say.
 pub(super) fn count(path: &Path) -> Result<Counts, SceneError> {
     let mut counts = Counts::default();
-    batches(path, &AtomicU64::new(0), |pieces| {
+    batches(path, &AtomicU64::new(0), PIECE, |pieces| {
         let of = |bytes: &Vec<u8>| {
             let mut counts = Counts::default();
             for line in bytes.split(|&b| b == b'\n') {
@@ -76,10 +81,11 @@ pub(super) fn count(path: &Path) -> Result<Counts, SceneError> {
 fn batches(
     path: &Path,
     read: &AtomicU64,
+    size: usize,
     mut each: impl FnMut(Vec<Vec<u8>>) -> Result<(), SceneError>,
 ) -> Result<(), SceneError> {
     let file = std::fs::File::open(path).map_err(|e| SceneError::io(path, &e))?;
-    let mut pieces = Pieces::new(Counted { reader: file, read }, PIECE);
+    let mut pieces = Pieces::new(Counted { reader: file, read }, size);
     let at_once = 2 * rayon::current_num_threads();
     let mut first = true;
     loop {
@@ -287,5 +293,74 @@ fn library_files(obj: &Path, written: &str) -> Vec<PathBuf> {
         words
     } else {
         vec![whole]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever the size of the pieces, and with any number of threads, the answer is the same.
+    fn by_all_sizes(text: &str) -> Result<Imported, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.obj");
+        std::fs::write(&path, text).unwrap();
+        let load = |size, threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let read = AtomicU64::new(0);
+            let loaded = pool
+                .build()
+                .unwrap()
+                .install(|| load_by(&path, &read, size));
+            loaded.map_err(|e| format!("{:?} {}", e.line_number(), e.message()))
+        };
+        let whole = load(text.len() + 1, 1);
+        for size in 1..text.len() {
+            let parts = load(size, 1 + size % 3);
+            assert_eq!(
+                format!("{parts:?}"),
+                format!("{whole:?}"),
+                "pieces of {size}"
+            );
+        }
+        whole
+    }
+
+    #[test]
+    fn pieces_make_no_difference() {
+        // A concave quadrilateral before its vertices, relative indices, and materials between.
+        let imported = by_all_sizes(
+            "f 1 2 3 4\nv 4 2 0\nv 0 0 0\nusemtl red\nv 4 -2 0\nv 1 0 0\nf -1 -2 -3 -4\n\
+             usemtl none\nusemtl blue\nf 1 2 3\nusemtl red\nv 9 9 9\nf -2 -3 -4\nf 1 2\n",
+        )
+        .unwrap();
+        assert_eq!(imported.vertices.len(), 4);
+        assert_eq!(imported.material, [0, 0, 1, 1, 2, 1]);
+        let names: Vec<&str> = imported.materials.iter().map(|m| m.name.as_str()).collect();
+        assert_eq!(names, ["", "red", "blue"]);
+        // Both quadrilaterals are one arrow head, cut from its notch to its tip.
+        for t in &imported.triangles[..4] {
+            assert!(t.contains(&1) && t.contains(&3), "{t:?}");
+        }
+    }
+
+    #[test]
+    fn pieces_make_no_difference_to_errors() {
+        for (text, expected) in [
+            (
+                "v 0 0 0\nv 1 0 0\nf 1 2 -1\nf 1 2 -3\nv x\n",
+                "Some(4) a face has vertex index -3, with only 2 vertices before it",
+            ),
+            (
+                "v 0 0 0\nv 1 0 0\n# a\nv 0 nan 0\nf 0 1 2\n",
+                "Some(4) vertex 3 has coordinate `nan`, expected a finite number",
+            ),
+            (
+                "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\nf 1 2 5\nf 1 2 5\n",
+                "Some(5) a face has vertex index 5, expected one of the 3 vertices of the file",
+            ),
+        ] {
+            assert_eq!(by_all_sizes(text).unwrap_err(), expected);
+        }
     }
 }
