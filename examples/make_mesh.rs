@@ -87,14 +87,14 @@ fn edges() -> Vec<[usize; 2]> {
     edges
 }
 
-struct Icosphere {
+pub(crate) struct Icosphere {
     /// Triangles along an edge of the icosahedron.
-    n: u64,
+    pub(crate) n: u64,
 }
 
 impl Icosphere {
     /// All vertices: the corners, then those inside edges, then those inside faces.
-    fn vertices(
+    pub(crate) fn vertices(
         &self,
         mut put: impl FnMut([f32; 3]) -> std::io::Result<()>,
     ) -> std::io::Result<()> {
@@ -121,7 +121,7 @@ impl Icosphere {
     }
 
     /// All triangles, face by face and row by row.
-    fn triangles(
+    pub(crate) fn triangles(
         &self,
         mut put: impl FnMut([u32; 3]) -> std::io::Result<()>,
     ) -> std::io::Result<()> {
