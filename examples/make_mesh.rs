@@ -5,7 +5,7 @@
 //! ```
 //!
 //! `icosphere` is an icosahedron whose faces are cut into `n^2` triangles each, pushed out to the
-//! unit sphere and displaced along the normal by a few octaves of waves: closed, without seams
+//! unit sphere and displaced along the normal by eight octaves of waves: rough, closed, without seams
 //! (vertices on edges of the icosahedron are shared), facing outwards. `n` is the smallest that
 //! gives as many triangles as asked for, `20 n^2`; the mesh has `10 n^2 + 2` vertices. The same
 //! number gives the same file, byte for byte, for one platform's `sin`.
@@ -188,14 +188,14 @@ fn corners() -> [[f64; 3]; CORNERS] {
 fn displaced(p: [f64; 3]) -> [f32; 3] {
     let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
     let [x, y, z] = p.map(|x| x / length);
-    let (mut radius, mut height, mut frequency) = (1.0, 0.06, 3.0);
-    for octave in 0..6 {
+    let (mut radius, mut height, mut frequency) = (1.0, 0.1, 3.0);
+    for octave in 0..8 {
         let shift = f64::from(octave) * 1.7;
         let wave = (frequency * x + shift).sin()
             * (frequency * y + 2.0 * shift).sin()
             * (frequency * z + 3.0 * shift).sin();
         radius += height * wave;
-        height *= 0.45;
+        height *= 0.55;
         frequency *= 2.3;
     }
     [x, y, z].map(|x| (x * radius) as f32)
