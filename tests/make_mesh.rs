@@ -12,8 +12,16 @@ fn an_icosphere_is_closed_and_faces_outwards() {
     for n in 1..8 {
         let sphere = Icosphere { n };
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-        sphere.vertices(|v| Ok(vertices.push(v))).unwrap();
-        sphere.triangles(|t| Ok(triangles.push(t))).unwrap();
+        let mut keep = |v| {
+            vertices.push(v);
+            Ok(())
+        };
+        sphere.vertices(&mut keep).unwrap();
+        let mut keep = |t| {
+            triangles.push(t);
+            Ok(())
+        };
+        sphere.triangles(&mut keep).unwrap();
         assert_eq!(vertices.len() as u64, 10 * n * n + 2);
         assert_eq!(triangles.len() as u64, 20 * n * n);
         let edges: HashSet<[u32; 2]> = triangles

@@ -7,12 +7,12 @@
 use super::piece::{Cut, Piece};
 use super::statements::{Pieces, text};
 use super::{Counted, Counts, Imported, mtl};
-use crate::scene::error::{SceneError, io_message};
+use crate::scene::error::SceneError;
 use crate::scene::triangulate::triangulate;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::AtomicU64;
 
 /// Bytes of a piece: enough to keep a core busy for milliseconds, few enough to stay in its cache
@@ -216,7 +216,7 @@ impl Reading {
             material: self.material,
             ..Imported::default()
         };
-        materials(path, &self.libraries, &self.names, &mut imported);
+        mtl::materials(path, &self.libraries, &self.names, &mut imported);
         let file = path.display();
         if self.degenerate > 0 {
             imported.warnings.push(format!(
@@ -231,68 +231,6 @@ impl Reading {
         }
         imported.drop_unused_vertices();
         imported
-    }
-}
-
-/// One material for each name that the file uses; grey where no MTL file describes it.
-fn materials(path: &Path, libraries: &[(usize, String)], used: &[String], imported: &mut Imported) {
-    let mut library = mtl::Library::default();
-    let mut complete = true;
-    for (line, written) in libraries {
-        for file in library_files(path, written) {
-            if let Err(e) = library.read(&file) {
-                complete = false;
-                imported.warnings.push(format!(
-                    "{}:{line}: material library {}: {}; its materials are taken as grey",
-                    path.display(),
-                    file.display(),
-                    io_message(&e),
-                ));
-            }
-        }
-    }
-    let mut unknown = Vec::new();
-    for name in used {
-        let material = library.material(name);
-        if material.is_none() && !name.is_empty() {
-            unknown.push(name);
-        }
-        let material = material.unwrap_or_else(|| mtl::grey(name));
-        imported.materials.push(material);
-    }
-    // Of a missing library no name can be found: that was warned about already.
-    if let (true, [first, more @ ..]) = (complete, &unknown[..]) {
-        let names = match more.len() {
-            0 => format!("material `{first}` is"),
-            n => format!("material `{first}` and {n} more are"),
-        };
-        let file = path.display();
-        imported
-            .warnings
-            .push(format!("{file}: {names} in no MTL file; taken as grey"));
-    }
-    let used = |name: &str| used.iter().any(|n| n == name);
-    imported.warnings.extend(library.warnings(used));
-}
-
-/// A name may hold blanks, and a line may hold several names: the whole of it comes first.
-fn library_files(obj: &Path, written: &str) -> Vec<PathBuf> {
-    let folder = obj.parent().unwrap_or(Path::new(""));
-    let locate = |name: &str| {
-        let direct = folder.join(name);
-        let unixlike = folder.join(name.replace('\\', "/"));
-        if !direct.exists() && unixlike.exists() {
-            unixlike
-        } else {
-            direct
-        }
-    };
-    let whole = locate(written);
-    let words: Vec<PathBuf> = written.split_ascii_whitespace().map(locate).collect();
-    if !whole.exists() && words.len() > 1 && words.iter().any(|w| w.exists()) {
-        words
-    } else {
-        vec![whole]
     }
 }
 
