@@ -4,12 +4,12 @@
 //! next-event estimation, where that is in use; both pdfs in solid angle (see `light`). A camera ray
 //! is the only way to see a light directly and weighs 1.
 //!
-//! Bytes an item: surface 84 read, sky 28; both read and write 12 of the sample.
+//! Bytes an item: surface 84 read, sky 40; both read and write 12 of the sample.
 
 use crate::accumulate::{add, report};
 use crate::hemisphere::UNIFORM_PDF;
 use crate::lanes::{Fx, LANES, Mask, Ux, as_mask, first, gather, gather_u32, load_u32, padded};
-use crate::light::area_to_solid_angle;
+use crate::light::{area_to_solid_angle, sky_radiance};
 use crate::mis::power_heuristic;
 use crate::queues::{LAST_RAY, Listed};
 use crate::surface::Surface;
@@ -65,11 +65,11 @@ pub fn sky_emission<const MIS: bool>(
     mut dropped: impl FnMut(u32),
 ) {
     let paths = listed.paths;
-    let sky = Vec3x::splat(tables.lights.sky);
     let light_pdf = Fx::splat(tables.lights.sky_selection * UNIFORM_PDF);
     for (_, at, busy) in listed.vectors() {
         let camera = from_camera(gather_u32(paths.bounces, at));
         let weight = weigh::<MIS>(camera, gather(paths.pdf, at), light_pdf);
+        let sky = sky_radiance(&tables.lights, Vec3x::gather_columns(paths.direction, at));
         let value = Vec3x::gather_columns(paths.throughput, at).product(sky) * weight;
         let slot = gather_u32(paths.slot, at);
         report(add(radiance, slot, value, busy), slot, &mut dropped);

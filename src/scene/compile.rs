@@ -2,7 +2,7 @@
 
 use super::builder::Builder;
 use super::camera;
-use super::compiled::{FilmSpec, Material, Scene};
+use super::compiled::{FilmSpec, Material, Scene, Sky};
 use super::description::{self, Description};
 use super::error::SceneError;
 use super::hash;
@@ -44,7 +44,10 @@ pub(super) fn native(
         Some(camera) => camera::compile(camera.get_ref(), camera.span(), film, file)?,
         None => camera::framing(mesh, film).ok_or_else(|| too_large(path))?,
     };
-    let sky = said.sky.as_ref().map(|sky| radiance(sky.radiance));
+    let sky = said.sky.as_ref().map(|sky| Sky {
+        zenith: radiance(sky.radiance),
+        nadir: radiance(sky.nadir.unwrap_or(sky.radiance)),
+    });
     Ok(finish(Scene {
         name: said.name.clone().unwrap_or_else(|| stem(path)),
         hash: [0; 32],
@@ -57,6 +60,13 @@ pub(super) fn native(
         mesh: shapes.builder.mesh,
     }))
 }
+
+/// The sky over a bare file without light. Darker from below: under a constant sky a white model
+/// would have the sky's own colour everywhere and be invisible before it.
+const SOFT_SKY: Sky = Sky {
+    zenith: [1.5; 3],
+    nadir: [0.3; 3],
+};
 
 /// Compiles a bare file of geometry: a camera that frames it, and a soft sky if it brings no light.
 pub(super) fn bare(path: &Path, imported: Vec<Imported>) -> Result<Scene, SceneError> {
@@ -83,7 +93,7 @@ pub(super) fn bare(path: &Path, imported: Vec<Imported>) -> Result<Scene, SceneE
         mesh: builder.mesh,
     };
     if !emits(&scene) {
-        scene.sky = Some([1.0; 3]);
+        scene.sky = Some(SOFT_SKY);
     }
     Ok(finish(scene))
 }
@@ -101,7 +111,7 @@ fn finish(mut scene: Scene) -> Scene {
         scene.settings.integrator,
         Integrator::Path | Integrator::Direct | Integrator::Reference
     );
-    let sky_shines = scene.sky.is_some_and(|sky| sky.iter().any(|&c| c > 0.0));
+    let sky_shines = scene.sky.is_some_and(|sky| sky.shines());
     if needs_light && !sky_shines && !emits(&scene) {
         let message = "no light: neither a sky nor a surface emits, so the image will be black";
         scene.warnings.push(message.to_owned());

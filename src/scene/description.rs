@@ -89,6 +89,7 @@ pub(super) struct Settings {
 #[serde(expecting = "a table such as { radiance = 1 }")]
 pub(super) struct Sky {
     pub(super) radiance: OneOrThree<NonNegative>,
+    pub(super) nadir: Option<OneOrThree<NonNegative>>,
 }
 
 /// `[materials.NAME]`

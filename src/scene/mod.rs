@@ -20,7 +20,7 @@ mod transform;
 mod triangulate;
 mod values;
 
-pub use compiled::{FilmSpec, Filter, Material, Mesh, Perspective, Scene};
+pub use compiled::{FilmSpec, Filter, Material, Mesh, Perspective, Scene, Sky};
 pub use error::SceneError;
 pub use import::Counts;
 pub use load::{Parsed, Source};

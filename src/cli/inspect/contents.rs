@@ -181,13 +181,15 @@ fn lights(scene: &Scene, materials: &[MaterialContents], bounds: &Bounds) -> Vec
             power: m.emission.map(|l| PI * m.area * sides * f64::from(l)),
         }
     };
-    let sky = scene.sky.map(|radiance| Light {
+    let sky = scene.sky.map(|sky| Light {
         kind: "sky",
         name: "sky".to_owned(),
         triangles: 0,
-        radiance,
-        // The sphere's surface times pi L: it is lit from all of each hemisphere above it.
-        power: radiance.map(|l| 4.0 * PI * bounds.radius2() * PI * f64::from(l)),
+        radiance: sky.mean(),
+        // The sphere's surface times pi L, L the mean: all of it is lit from all sides together.
+        power: sky
+            .mean()
+            .map(|l| 4.0 * PI * bounds.radius2() * PI * f64::from(l)),
     });
     materials
         .iter()
@@ -230,7 +232,7 @@ fn memory(scene: &Scene, tables: &[(&'static str, usize)]) -> Vec<Table> {
 mod tests {
     use super::*;
     use crate::cli::stats::tests::{documented, paths, scene as empty};
-    use huygens::scene::Material;
+    use huygens::scene::{Material, Sky};
     use std::collections::BTreeSet;
 
     /// A 3-4-5 triangle that emits from both sides, under a sky.
@@ -247,7 +249,7 @@ mod tests {
             emission: [1.0, 2.0, 0.0],
             two_sided: true,
         });
-        scene.sky = Some([1.0; 3]);
+        scene.sky = Some(Sky::constant([1.0; 3]));
         scene
     }
 
