@@ -1,5 +1,6 @@
 //! The command line: arguments and printing, nothing else. One file a subcommand.
 
+mod accuracy;
 mod failure;
 mod images;
 mod inspect;
@@ -31,6 +32,7 @@ struct Cli {
 enum Command {
     Render(Box<render::Args>),
     Inspect(inspect::Args),
+    Accuracy(accuracy::Args),
 }
 
 /// Runs the command line of this process.
@@ -40,6 +42,7 @@ pub(crate) fn main() -> ExitCode {
     let run = || match &cli.command {
         Command::Render(args) => render::run(args),
         Command::Inspect(args) => inspect::run(args),
+        Command::Accuracy(args) => accuracy::run(args),
     };
     let result = std::panic::catch_unwind(run).unwrap_or_else(|_| Err(Failure::defect()));
     match result {
