@@ -190,6 +190,7 @@ fn help_and_version_succeed() {
         &["render", "--help"],
         &["inspect", "--help"],
         &["accuracy", "--help"],
+        &["diff", "--help"],
         &["--version"],
     ] {
         let output = huygens(folder.path(), args);
@@ -210,6 +211,7 @@ fn the_documentation_lists_exactly_the_options_there_are() {
         ("render", "--strict"),
         ("inspect", "--strict"),
         ("accuracy", "--budget"),
+        ("diff", "--scale"),
     ] {
         let help = huygens(folder.path(), &[command, "--help"]).stdout;
         let help = String::from_utf8(help).expect("text");

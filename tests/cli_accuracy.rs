@@ -112,6 +112,42 @@ fn a_budget_ends_the_ladder_early_and_says_so() {
     assert_eq!(json["ended"], "budget");
 }
 
+/// Ctrl-C shows and writes what there is.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_shows_the_rungs_that_are_done() {
+    let folder = folder();
+    let child = Command::new(env!("CARGO_BIN_EXE_huygens"))
+        .current_dir(folder.path())
+        .args("accuracy pi --samples 67108864 --repetitions 1000 --json a.json".split(' '))
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("huygens starts");
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    // SAFETY: kill takes two numbers and touches no memory; the child has not been waited for, so
+    // its id is still its own.
+    assert_eq!(unsafe { libc::kill(child.id() as i32, libc::SIGINT) }, 0);
+    let output = child.wait_with_output().expect("it ends");
+    let message = String::from_utf8(output.stderr).expect("text");
+    assert_eq!(output.status.code(), Some(130), "{message}");
+    assert!(
+        message.starts_with("interrupted: showed what there is, up to "),
+        "{message}"
+    );
+    assert!(message.ends_with(" of 67108864 samples\n"), "{message}");
+    assert!(output.stdout.starts_with(b"pi: "));
+    let json = std::fs::read_to_string(folder.path().join("a.json")).expect("written");
+    let json: Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(json["ended"], "interrupted");
+    assert!(
+        !json["curves"][0]["points"]
+            .as_array()
+            .expect("points")
+            .is_empty()
+    );
+}
+
 #[test]
 fn quiet_prints_nothing() {
     let (text, json) = study("pi", &["--repetitions", "2", "--quiet"]);

@@ -15,10 +15,16 @@
 //! }
 //! ```
 
+mod difference;
+mod false_colour;
 mod fit;
 mod study;
 mod targets;
 
+pub use difference::{
+    Difference, DifferenceError, Largest, NoiseOf, Picture, TRIM, difference, pixel_errors,
+};
+pub use false_colour::{NO_NUMBER, false_colour};
 pub use fit::{Fit, log_log};
 pub use study::{Curve, End, LEVEL, Ladder, Point, Study, study};
 pub use targets::{Method, Problem, Target};

@@ -121,3 +121,14 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     }
     Ok(())
 }
+
+/// The first column of the tables under a heading of docs/accuracy.md.
+#[cfg(test)]
+pub(crate) fn documented(heading: &str) -> std::collections::BTreeSet<String> {
+    let text = include_str!("../../docs/accuracy.md");
+    let section = text.split("\n## ").find(|s| s.starts_with(heading));
+    let rows = section.expect("the heading").lines();
+    rows.filter_map(|row| row.strip_prefix("| `")?.split('`').next())
+        .map(str::to_owned)
+        .collect()
+}

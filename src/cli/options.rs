@@ -189,7 +189,8 @@ fn depth(text: &str) -> Result<Depth, String> {
         .ok_or_else(|| "expected 0 to 2147483647, or none".to_owned())
 }
 
-fn positive(text: &str) -> Result<f32, String> {
+/// A finite number above 0.
+pub(crate) fn positive(text: &str) -> Result<f32, String> {
     let number: Option<f32> = text.parse().ok();
     number
         .filter(|v| v.is_finite() && *v > 0.0)

@@ -68,19 +68,10 @@ impl<'a> Report<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::accuracy::documented;
     use crate::cli::stats::tests::paths;
     use huygens::accuracy::study;
     use std::collections::BTreeSet;
-
-    /// The first column of the tables under a heading of docs/accuracy.md.
-    fn documented(heading: &str) -> BTreeSet<String> {
-        let text = include_str!("../../../docs/accuracy.md");
-        let section = text.split("\n## ").find(|s| s.starts_with(heading));
-        let rows = section.expect("the heading").lines();
-        rows.filter_map(|row| row.strip_prefix("| `")?.split('`').next())
-            .map(str::to_owned)
-            .collect()
-    }
 
     #[test]
     fn the_layout_is_the_documented_one() {

@@ -116,7 +116,7 @@ fn cost(curve: &Curve, error: f64) -> String {
         return "?".into();
     }
     if needed > BEYOND {
-        return format!("more than {}samples", si(BEYOND));
+        return format!("more than {} samples", si(BEYOND));
     }
     let (first, last) = (&curve.points[0], curve.points.last().expect("a rung"));
     // Where the ladder ends, the cost of a sample has settled.
