@@ -57,7 +57,7 @@ fn the_measures_of_two_small_images() {
                     relMSE   8.251e-2 without the worst 0.1% of the pixels, 8.251e-2 with them\n  \
                     MAE      8.333e-2\n  \
                     max      1.000e0 at (0, 0)\n  \
-                    bias     R +2.500e-1  G +0.000e0  B +0.000e0\n";
+                    bias     R +2.500e-1\n           G +0.000e0\n           B +0.000e0\n";
     assert_eq!(text(&output.stdout), expected);
 }
 
