@@ -27,4 +27,4 @@ pub use difference::{
 pub use false_colour::{NO_NUMBER, false_colour};
 pub use fit::{Fit, log_log};
 pub use study::{Curve, End, LEVEL, Ladder, Point, Study, study};
-pub use targets::{Method, Problem, Target};
+pub use targets::{Estimate, Method, Problem, Target};

@@ -56,7 +56,7 @@ mod table;
 pub use density::{Density, Inversion, Lorentz, Power, UniformBox};
 pub use integrate::{balance, contribution, estimate, estimate_mis, power};
 pub use normal::{normal_quantile, sidak};
-pub use points::generator;
+pub use points::{Generator, generator};
 pub use rand_pcg::rand_core::Rng;
 pub use rejection::Rejection;
 pub use running::Running;

@@ -24,11 +24,14 @@ use rand_pcg::Pcg64;
 /// The largest number below 1.
 const BELOW_ONE: f64 = 1.0 - 0.5 * f64::EPSILON;
 
+/// The random numbers of estimates: M. O'Neill's PCG XSL RR 128/64.
+pub type Generator = Pcg64;
+
 /// A generator of random numbers named by `words`: equal names give equal numbers, different ones
-/// numbers that are independent for any practical purpose. (M. O'Neill's PCG XSL RR 128/64, its
-/// state and its stream from the words by SplitMix64's finalizer.)
+/// numbers that are independent for any practical purpose. (State and stream come from the words by
+/// SplitMix64's finalizer.)
 #[must_use]
-pub fn generator(words: &[u64]) -> Pcg64 {
+pub fn generator(words: &[u64]) -> Generator {
     let mut hash = words.len() as u64;
     let mut next = |word: u64| {
         hash = mix(hash.wrapping_add(0x9e37_79b9_7f4a_7c15) ^ word);
@@ -56,7 +59,10 @@ pub fn uniform(rng: &mut impl Rng) -> f64 {
 }
 
 /// `n` independent points.
-pub fn independent<const D: usize>(rng: &mut impl Rng, n: usize) -> impl Iterator<Item = [f64; D]> {
+pub fn independent<const D: usize>(
+    rng: &mut impl Rng,
+    n: usize,
+) -> impl ExactSizeIterator<Item = [f64; D]> {
     (0..n).map(move |_| std::array::from_fn(|_| uniform(rng)))
 }
 
@@ -72,7 +78,7 @@ pub fn independent<const D: usize>(rng: &mut impl Rng, n: usize) -> impl Iterato
 pub fn jittered<const D: usize>(
     rng: &mut impl Rng,
     strata: usize,
-) -> impl Iterator<Item = [f64; D]> {
+) -> impl ExactSizeIterator<Item = [f64; D]> {
     let cells = strata.checked_pow(D as u32).expect("too many strata");
     let mut cell = [0; D];
     (0..cells).map(move |_| {
@@ -93,7 +99,10 @@ pub fn jittered<const D: usize>(
 /// as N rooks.) Takes memory for `n D` numbers.
 ///
 /// As for [`jittered`], the points are not independent.
-pub fn latin<const D: usize>(rng: &mut impl Rng, n: usize) -> impl Iterator<Item = [f64; D]> {
+pub fn latin<const D: usize>(
+    rng: &mut impl Rng,
+    n: usize,
+) -> impl ExactSizeIterator<Item = [f64; D]> {
     // The first coordinate may as well be in order: a set of points has none.
     let slabs: [Vec<usize>; D] = std::array::from_fn(|d| {
         let mut slabs: Vec<usize> = (0..n).collect();
