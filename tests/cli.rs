@@ -231,6 +231,8 @@ fn help_and_version_succeed() {
         &["--help"][..],
         &["render", "--help"],
         &["inspect", "--help"],
+        &["accuracy", "--help"],
+        &["diff", "--help"],
         &["--version"],
     ] {
         let output = huygens(folder.path(), args);
@@ -247,7 +249,12 @@ fn help_and_version_succeed() {
 fn the_documentation_lists_exactly_the_options_there_are() {
     let folder = folder();
     let page = include_str!("../docs/command-line.md");
-    for command in ["render", "inspect"] {
+    for (command, known) in [
+        ("render", "--strict"),
+        ("inspect", "--strict"),
+        ("accuracy", "--budget"),
+        ("diff", "--scale"),
+    ] {
         let help = huygens(folder.path(), &[command, "--help"]).stdout;
         let help = String::from_utf8(help).expect("text");
         let heading = format!("## huygens {command}");
@@ -255,7 +262,7 @@ fn the_documentation_lists_exactly_the_options_there_are() {
             .split("\n## ")
             .find(|s| heading.ends_with(&s[..s.find('\n').unwrap()]));
         let documented = options(section.expect("a section"));
-        assert!(documented.contains("--strict"));
+        assert!(documented.contains(known));
         assert_eq!(documented, options(&help), "{command}");
     }
 }

@@ -5,6 +5,7 @@ use clap::{Args, ValueEnum};
 use huygens::scene::{Filter, Scene};
 use huygens::settings::{Integrator, Settings, Strategy};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// The scene, and how strictly it is taken.
 #[derive(Debug, Args)]
@@ -184,7 +185,8 @@ fn depth(text: &str) -> Result<Depth, String> {
         .ok_or_else(|| "expected 0 to 2147483647, or none".to_owned())
 }
 
-fn positive(text: &str) -> Result<f32, String> {
+/// A finite number above 0.
+pub(crate) fn positive(text: &str) -> Result<f32, String> {
     let number: Option<f32> = text.parse().ok();
     number
         .filter(|v| v.is_finite() && *v > 0.0)
@@ -197,6 +199,29 @@ pub(crate) fn stops(text: &str) -> Result<f32, String> {
     number
         .filter(|v| (-64.0..=64.0).contains(v))
         .ok_or_else(|| "expected a number of stops from -64 to 64".to_owned())
+}
+
+/// A time above 0: a number and `ms`, `s`, `m` or `h`; `s` if there is none.
+pub(crate) fn time(text: &str) -> Result<Duration, String> {
+    let (number, unit) = match text.find(|c: char| c.is_ascii_alphabetic()) {
+        Some(at) => text.split_at(at),
+        None => (text, "s"),
+    };
+    let scale = match unit.trim() {
+        "ms" => Some(1e-3),
+        "s" => Some(1.0),
+        "m" | "min" => Some(60.0),
+        "h" => Some(3600.0),
+        _ => None,
+    };
+    let number: Option<f64> = number.trim().parse().ok();
+    let seconds = number.zip(scale).map(|(n, scale)| n * scale);
+    // Beyond it a Duration would overflow.
+    let longest = 1e9;
+    seconds
+        .filter(|s| *s > 0.0 && *s <= longest)
+        .map(Duration::from_secs_f64)
+        .ok_or_else(|| "expected a time above 0, such as 90s, 500ms, 2m or 1h".to_owned())
 }
 
 #[cfg(test)]
@@ -220,6 +245,34 @@ mod tests {
         assert_eq!(depth("0"), Ok(Depth(Some(0))));
         assert_eq!(depth("2147483647"), Ok(Depth(Some(2_147_483_647))));
         assert!(depth("2147483648").is_err() && depth("-1").is_err() && depth("").is_err());
+    }
+
+    #[test]
+    fn times() {
+        for (text, seconds) in [
+            ("90s", 90.0),
+            ("90", 90.0),
+            ("1.5 s", 1.5),
+            ("500ms", 0.5),
+            ("2m", 120.0),
+            ("2min", 120.0),
+            ("1h", 3600.0),
+        ] {
+            assert_eq!(time(text), Ok(Duration::from_secs_f64(seconds)), "{text}");
+        }
+        for wrong in [
+            "",
+            "s",
+            "0s",
+            "-1s",
+            "nan",
+            "inf",
+            "1e30h",
+            "5 fortnights",
+            "1s2",
+        ] {
+            assert!(time(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]
