@@ -15,7 +15,7 @@ const ULP: f64 = 1.0 / (1 << 24) as f64;
 /// What became of a ray in two tracers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
-    /// The same triangle, at the same distance but for rounding.
+    /// The same triangle, or none.
     Same,
     /// Different ones, which rounding explains: equally near, or passed at an edge.
     Rounding,
@@ -28,10 +28,14 @@ enum Verdict {
 /// How many rays had which verdict.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Agreement {
+    /// The same triangle, or none.
     pub(crate) same: usize,
+    /// Different triangles, equally near or passed at an edge, but for rounding.
     pub(crate) rounding: usize,
-    pub(crate) first_wrong: usize,
-    pub(crate) second_wrong: usize,
+    /// One of the two missed the nearest triangle or met what is not there: the first, the second.
+    pub(crate) wrong: [usize; 2],
+    /// A triangle's distance was further off than [`ROUNDINGS`]: the first's, the second's.
+    pub(crate) distance: [usize; 2],
 }
 
 impl Agreement {
@@ -40,30 +44,30 @@ impl Agreement {
         let mut counts = Self::default();
         for i in 0..rays.len() {
             let (origin, direction) = (rays.origin(i), rays.direction(i));
-            let claim = |found: &Found| Claim {
-                primitive: found.primitive[i],
-                t: f64::from(found.t[i]),
+            let look = |found: &Found| {
+                let primitive = found.primitive[i];
+                let met = primitive != NO_PRIMITIVE;
+                met.then(|| exact(mesh, origin, direction, primitive))
             };
-            *match verdict(mesh, origin, direction, claim(first), claim(second)) {
+            let exact = [look(first), look(second)];
+            for (k, found) in [first, second].into_iter().enumerate() {
+                let off = |x: &Exact| (f64::from(found.t[i]) - x.t).abs() > x.t_error;
+                counts.distance[k] += usize::from(exact[k].as_ref().is_some_and(off));
+            }
+            *match verdict(exact) {
                 Verdict::Same => &mut counts.same,
                 Verdict::Rounding => &mut counts.rounding,
-                Verdict::FirstWrong => &mut counts.first_wrong,
-                Verdict::SecondWrong => &mut counts.second_wrong,
+                Verdict::FirstWrong => &mut counts.wrong[0],
+                Verdict::SecondWrong => &mut counts.wrong[1],
             } += 1;
         }
         counts
     }
 }
 
-/// What a tracer says of a ray.
-#[derive(Clone, Copy)]
-struct Claim {
-    primitive: u32,
-    t: f64,
-}
-
 /// What f64 says of a ray and a triangle.
 struct Exact {
+    primitive: u32,
     t: f64,
     /// How far `t` moves by rounding, seen along the ray: grazing rays suffer most.
     t_error: f64,
@@ -91,6 +95,7 @@ fn exact(mesh: &Mesh, origin: Vec3, direction: Vec3, primitive: u32) -> Exact {
         across.try_normalize().map_or(0.0, |n: DVec3| n.dot(p))
     });
     Exact {
+        primitive,
         t,
         t_error: error / cos.abs(),
         inside: distances.iter().all(|&x| x >= 0.0) || distances.iter().all(|&x| x <= 0.0),
@@ -98,12 +103,8 @@ fn exact(mesh: &Mesh, origin: Vec3, direction: Vec3, primitive: u32) -> Exact {
     }
 }
 
-fn verdict(mesh: &Mesh, origin: Vec3, direction: Vec3, first: Claim, second: Claim) -> Verdict {
-    let look = |claim: Claim| {
-        (claim.primitive != NO_PRIMITIVE)
-            .then(|| exact(mesh, origin, direction, claim.primitive))
-    };
-    let off = |claim: Claim, x: &Exact| (claim.t - x.t).abs() > x.t_error;
+/// Of what the first and the second tracer claim to have met.
+fn verdict(claims: [Option<Exact>; 2]) -> Verdict {
     // Whoever claims `x` is wrong if the ray passes it by; else the other is, for missing it.
     let nearer = |x: &Exact, claimant_wrong, other_wrong| {
         if x.at_edge {
@@ -115,20 +116,14 @@ fn verdict(mesh: &Mesh, origin: Vec3, direction: Vec3, first: Claim, second: Cla
         }
     };
     let (wrong_1, wrong_2) = (Verdict::FirstWrong, Verdict::SecondWrong);
-    match (look(first), look(second)) {
-        (None, None) => Verdict::Same,
-        (Some(x), None) => nearer(&x, wrong_1, wrong_2),
-        (None, Some(y)) => nearer(&y, wrong_2, wrong_1),
-        (Some(x), Some(y)) if first.primitive == second.primitive => {
-            match (off(first, &x), off(second, &y)) {
-                (true, _) => wrong_1,
-                (_, true) => wrong_2,
-                _ => Verdict::Same,
-            }
-        }
-        (Some(x), Some(y)) if (x.t - y.t).abs() <= x.t_error + y.t_error => Verdict::Rounding,
-        (Some(x), Some(y)) if x.t < y.t => nearer(&x, wrong_1, wrong_2),
-        (Some(_), Some(y)) => nearer(&y, wrong_2, wrong_1),
+    match claims {
+        [None, None] => Verdict::Same,
+        [Some(x), None] => nearer(&x, wrong_1, wrong_2),
+        [None, Some(y)] => nearer(&y, wrong_2, wrong_1),
+        [Some(x), Some(y)] if x.primitive == y.primitive => Verdict::Same,
+        [Some(x), Some(y)] if (x.t - y.t).abs() <= x.t_error + y.t_error => Verdict::Rounding,
+        [Some(x), Some(y)] if x.t < y.t => nearer(&x, wrong_1, wrong_2),
+        [Some(_), Some(y)] => nearer(&y, wrong_2, wrong_1),
     }
 }
 
@@ -163,27 +158,42 @@ mod tests {
         }
     }
 
-    fn at(x: f32, y: f32, first: (u32, f64), second: (u32, f64)) -> Verdict {
-        let claim = |(primitive, t)| Claim { primitive, t };
-        let origin = Vec3::new(x, y, 0.0);
-        verdict(&squares(), origin, Vec3::Z, claim(first), claim(second))
+    /// Judges a ray along z through `(x, y)`.
+    fn judge(x: f32, y: f32, first: (u32, f32), second: (u32, f32)) -> Agreement {
+        let mut queue = Queue::with_capacity(1);
+        queue.push(Vec3::new(x, y, 0.0), Vec3::Z, f32::INFINITY, NO_PRIMITIVE);
+        let found = |(primitive, t)| {
+            let mut found = Found::new(1);
+            (found.primitive[0], found.t[0]) = (primitive, t);
+            found
+        };
+        Agreement::judge(&squares(), &queue.finish(), &found(first), &found(second))
     }
 
     #[test]
     fn the_judge_tells_rounding_from_errors() {
-        const MISS: (u32, f64) = (NO_PRIMITIVE, 0.0);
-        use Verdict::{FirstWrong, Rounding, Same, SecondWrong};
+        const MISS: (u32, f32) = (NO_PRIMITIVE, 0.0);
+        let none = Agreement::default();
+        let same = Agreement { same: 1, ..none };
+        let rounding = Agreement {
+            rounding: 1,
+            ..none
+        };
+        let [first, second] = [[1, 0], [0, 1]].map(|wrong| Agreement { wrong, ..none });
         // Well inside triangle 0.
-        assert_eq!(at(0.7, 0.2, (0, 1.0), (0, 1.0)), Same);
-        assert_eq!(at(0.7, 0.2, (0, 1.0), (0, 1.001)), SecondWrong);
-        assert_eq!(at(0.7, 0.2, (2, 2.0), (0, 1.0)), FirstWrong);
-        assert_eq!(at(0.7, 0.2, (0, 1.0), MISS), SecondWrong);
-        assert_eq!(at(0.7, 0.2, MISS, MISS), Same);
+        assert_eq!(judge(0.7, 0.2, (0, 1.0), (0, 1.0)), same);
+        assert_eq!(judge(0.7, 0.2, (2, 2.0), (0, 1.0)), first);
+        assert_eq!(judge(0.7, 0.2, (0, 1.0), MISS), second);
+        assert_eq!(judge(0.7, 0.2, MISS, MISS), same);
         // It is not triangle 1 that lies there.
-        assert_eq!(at(0.7, 0.2, (1, 1.0), (2, 2.0)), FirstWrong);
+        assert_eq!(judge(0.7, 0.2, (1, 1.0), (2, 2.0)), first);
         // Across the diagonal, and off the square's border.
-        assert_eq!(at(0.5, 0.5, (0, 1.0), (1, 1.0)), Rounding);
-        assert_eq!(at(0.5, -1e-7, (0, 1.0), MISS), Rounding);
-        assert_eq!(at(0.5, -1e-3, (0, 1.0), MISS), FirstWrong);
+        assert_eq!(judge(0.5, 0.5, (0, 1.0), (1, 1.0)), rounding);
+        assert_eq!(judge(0.5, -1e-7, (0, 1.0), MISS), rounding);
+        assert_eq!(judge(0.5, -1e-3, (0, 1.0), MISS), first);
+        // The right triangle at the wrong distance.
+        let distance = [0, 1];
+        let off = Agreement { distance, ..same };
+        assert_eq!(judge(0.7, 0.2, (0, 1.0), (0, 1.001)), off);
     }
 }

@@ -35,7 +35,7 @@ pub(crate) fn measure(subject: &Subject, threads: usize, rounds: usize) -> Resul
         (wall, cpu)
     };
     let embree = |quality| {
-        let scene = Scene::prepare(&device, &subject.mesh, quality, true)?;
+        let scene = Scene::prepare(&device, &subject.mesh, quality, false)?;
         let (wall, cpu, scene) = wall_and_process(|| scene.commit());
         scene.map(|_| (wall, cpu))
     };

@@ -150,7 +150,11 @@ fn on_the_ground(name: &'static str, scene: Scene) -> Subject {
     let (size, camera) = (high - low, Camera::of(&scene.camera));
     let mut sculptor = Sculptor(scene.mesh);
     let span = 8.0 * size.max_element();
-    let corner = vec3(0.5 * (low.x + high.x - span), low.y, 0.5 * (low.z + high.z - span));
+    let corner = vec3(
+        0.5 * (low.x + high.x - span),
+        low.y,
+        0.5 * (low.z + high.z - span),
+    );
     sculptor.quad(corner, span * Vec3::X, span * Vec3::Z);
     let corner = low + size * vec3(0.25, 1.5, 0.25);
     Subject {

@@ -54,7 +54,8 @@ impl Options {
 
     /// Rays a queue, whole waves.
     pub(crate) fn rays(&self) -> usize {
-        self.pick(self.rays, 1 << 18, 1 << 16).next_multiple_of(WAVE)
+        self.pick(self.rays, 1 << 18, 1 << 16)
+            .next_multiple_of(WAVE)
     }
 
     /// Rounds of rays.

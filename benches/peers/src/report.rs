@@ -82,7 +82,7 @@ pub(crate) fn memory(all: &[Measured]) -> Table {
         "Huygens",
         "Embree robust",
         "default",
-        "HIGH robust",
+        "HIGH",
     ]);
     for m in all {
         let mut row = vec![m.name.to_owned(), m.triangles.to_string()];
@@ -136,8 +136,10 @@ pub(crate) fn agreement(all: &[Measured]) -> Table {
         "Embree",
         "same",
         "rounding",
-        "Huygens wrong",
-        "Embree wrong",
+        "wrong Huygens",
+        "wrong Embree",
+        "t off Huygens",
+        "t off Embree",
     ]);
     for m in all {
         for (set, by_mode) in &m.agreement {
@@ -145,10 +147,10 @@ pub(crate) fn agreement(all: &[Measured]) -> Table {
                 let Agreement {
                     same,
                     rounding,
-                    first_wrong,
-                    second_wrong,
+                    wrong,
+                    distance,
                 } = *a;
-                let counts = [same, rounding, first_wrong, second_wrong];
+                let counts = [same, rounding, wrong[0], wrong[1], distance[0], distance[1]];
                 let mut row = vec![m.name.to_owned(), (*set).to_owned(), mode.to_owned()];
                 row.extend(counts.iter().map(ToString::to_string));
                 table.row(row);

@@ -23,7 +23,9 @@ impl Timings {
         for round in 0..rounds {
             for k in 0..variants.len() {
                 let which = (round + k) % variants.len();
-                seconds[which].1.push(thread_seconds(&mut variants[which].1));
+                seconds[which]
+                    .1
+                    .push(thread_seconds(&mut variants[which].1));
             }
         }
         Self { rays, seconds }
@@ -37,10 +39,7 @@ impl Timings {
     /// Millions of rays a CPU second, median over rounds.
     pub(crate) fn rate(&self, name: &str) -> Option<f64> {
         let seconds = self.of(name)?;
-        let rates: Vec<f64> = seconds
-            .iter()
-            .map(|s| self.rays as f64 / s / 1e6)
-            .collect();
+        let rates: Vec<f64> = seconds.iter().map(|s| self.rays as f64 / s / 1e6).collect();
         Some(median(&rates))
     }
 

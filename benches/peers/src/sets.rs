@@ -121,9 +121,7 @@ impl Surfaces {
 
     fn bounce(&self, n: usize, seed: u64) -> Result<Queue, String> {
         let mut random = Random(seed);
-        self.fill(n, |_, normal| {
-            Some((random.cosine(normal), f32::INFINITY))
-        })
+        self.fill(n, |_, normal| Some((random.cosine(normal), f32::INFINITY)))
     }
 
     fn shadow(&self, light: [Vec3; 3], n: usize, seed: u64) -> Result<Queue, String> {

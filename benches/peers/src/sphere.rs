@@ -103,7 +103,8 @@ fn noise(p: DVec3) -> f64 {
 
 fn lattice(p: DVec3) -> f64 {
     let [x, y, z] = [p.x, p.y, p.z].map(|c| c as i32 as u32);
-    let mut h = x.wrapping_mul(0x8da6_b343) ^ y.wrapping_mul(0xd816_3841) ^ z.wrapping_mul(0xcb1a_b31f);
+    let mut h =
+        x.wrapping_mul(0x8da6_b343) ^ y.wrapping_mul(0xd816_3841) ^ z.wrapping_mul(0xcb1a_b31f);
     h = (h ^ (h >> 13)).wrapping_mul(0x5bd1_e995);
     h ^= h >> 15;
     f64::from(h & 0x00ff_ffff) / 8_388_608.0 - 1.0
