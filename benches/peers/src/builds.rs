@@ -14,8 +14,10 @@ pub(crate) struct Builds {
     pub(crate) ours: f64,
     pub(crate) medium: f64,
     pub(crate) high: f64,
-    /// How many times as fast as `medium` ours is, by rounds.
+    /// How many times as fast as `medium` ours is, by rounds, on the wall.
     pub(crate) ratio: Spread,
+    /// The same by CPU time, all threads together: what a busy machine still lets one see.
+    pub(crate) cpu_ratio: f64,
     /// CPU seconds a second of ours and of `medium`: how many threads were really at work.
     pub(crate) busy: [f64; 2],
 }
@@ -53,13 +55,16 @@ pub(crate) fn measure(subject: &Subject, threads: usize, rounds: usize) -> Resul
         let shares: Vec<f64> = times.iter().map(|(wall, cpu)| cpu / wall).collect();
         median(&shares)
     };
-    let ratios: Vec<f64> = first.iter().zip(&second).map(|(a, b)| b.0 / a.0).collect();
+    let pairs = || first.iter().zip(&second);
+    let ratios: Vec<f64> = pairs().map(|(a, b)| b.0 / a.0).collect();
+    let cpu_ratios: Vec<f64> = pairs().map(|(a, b)| b.1 / a.1).collect();
     Ok(Builds {
         threads,
         ours: rate(&first),
         medium: rate(&second),
         high: millions / high,
         ratio: spread(&ratios),
+        cpu_ratio: median(&cpu_ratios),
         busy: [busy(&first), busy(&second)],
     })
 }

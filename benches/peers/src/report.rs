@@ -101,6 +101,7 @@ pub(crate) fn builds(all: &[(&str, Vec<Builds>)]) -> Table {
         "MEDIUM",
         "HIGH",
         "Huygens / MEDIUM (range)",
+        "by CPU",
         "efficiency Huygens, MEDIUM",
         "CPU/wall Huygens, MEDIUM",
     ]);
@@ -120,6 +121,7 @@ pub(crate) fn builds(all: &[(&str, Vec<Builds>)]) -> Table {
                 format!("{:.2}", b.medium),
                 format!("{:.2}", b.high),
                 ratio_and_range(Some(b.ratio)),
+                format!("{:.2}", b.cpu_ratio),
                 efficiency,
                 format!("{:.2}, {:.2}", b.busy[0], b.busy[1]),
             ]);

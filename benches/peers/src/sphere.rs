@@ -110,7 +110,7 @@ fn lattice(p: DVec3) -> f64 {
     f64::from(h & 0x00ff_ffff) / 8_388_608.0 - 1.0
 }
 
-/// A direction from which, and an axis by which, one looks well at a unit sphere's size.
+/// Where to look at it from.
 pub(crate) const EYE: Vec3 = Vec3::new(2.2, 1.2, 2.6);
 
 #[cfg(test)]
