@@ -22,5 +22,5 @@ fi
 # From the root, so that the project's own flags (.cargo/config.toml) hold here too.
 export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-target}"
 cargo build --release --quiet --manifest-path benches/peers/Cargo.toml
-printf '%s: benches/peers/rays.sh %s\n' "$(date -u +%F)" "$*"
+printf '%s: benches/peers/rays.sh%s\n' "$(date -u +%F)" "${*:+ $*}"
 exec "$CARGO_TARGET_DIR/release/huygens-peers" "$@"

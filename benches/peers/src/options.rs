@@ -11,13 +11,13 @@ use std::path::PathBuf;
 /// The last line is `median robust-ratio b2 X.XX sh1 X.XX`: how many times as fast as Embree's
 /// robust mode, as medians over the meshes, second-bounce and bounce shadow rays are.
 #[derive(Clone, Debug, Parser)]
-#[command(name = "rays.sh")]
+#[command(name = "rays.sh", bin_name = "benches/peers/rays.sh")]
 pub(crate) struct Options {
     /// A short run: four meshes, fewer rays and rounds
     #[arg(long)]
     pub(crate) quick: bool,
-    /// Meshes, separated by commas: bedroom, sponza, truck, hall, clutter, sticks, ico1m, ico5m
-    #[arg(long, value_delimiter = ',', value_name = "NAMES")]
+    /// Meshes, separated by commas
+    #[arg(long, value_delimiter = ',', value_name = "NAMES", value_parser = catalogue::NAMES)]
     meshes: Vec<String>,
     /// Rays a queue, rounded up to whole waves of 4096 [default: 262144, quick: 65536]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 26))]
