@@ -77,7 +77,7 @@ impl Default for Settings {
             seed: 0,
             ao_distance: None,
             threads: 0,
-            wave: 4096,
+            wave: 2048,
             tile: 32,
         }
     }

@@ -4,6 +4,8 @@ mod failure;
 mod images;
 mod inspect;
 mod interrupt;
+mod load;
+mod memory;
 mod options;
 mod progress;
 mod render;

@@ -1,28 +1,24 @@
 //! Options that several subcommands share, and parsers of their values.
 
-use crate::cli::failure::Failure;
+use crate::cli::memory;
 use clap::{Args, ValueEnum};
-use huygens::scene::{self, Filter, Scene};
+use huygens::scene::{Filter, Scene};
 use huygens::settings::{Integrator, Settings, Strategy};
 use std::path::PathBuf;
 
 /// The scene, and how strictly it is taken.
 #[derive(Debug, Args)]
 pub(crate) struct SceneOptions {
-    /// Scene file: a native .toml scene, or a bare .obj
+    /// Scene file: a native .toml scene, or a bare .obj or .ply
     pub(crate) scene: PathBuf,
 
     /// Treat every warning about the scene or the options as an error (exit code 2)
     #[arg(long)]
     pub(crate) strict: bool,
-}
 
-impl SceneOptions {
-    /// Loads the scene; its warnings are not out yet.
-    pub(crate) fn load(&self) -> Result<Scene, Failure> {
-        let scene = scene::load(&self.scene).map_err(miette::Report::new);
-        scene.map_err(Failure::Input)
-    }
+    /// Refuse a scene that would need more memory than this, before reading it; such as 800M or 4G
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse, allow_negative_numbers = true)]
+    pub(crate) max_memory: Option<u64>,
 }
 
 /// What the image depends on. Whatever is left out comes from the scene file, or else from the
@@ -78,7 +74,7 @@ pub(crate) struct WorkOptions {
     #[arg(value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub(crate) threads: Option<u16>,
 
-    /// Paths in a worker's wave, 64 to 1048576 [if the scene says nothing: 4096]
+    /// Paths in a worker's wave, 64 to 1048576 [if the scene says nothing: 2048]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u32).range(64..=1 << 20))]
     pub(crate) wave: Option<u32>,

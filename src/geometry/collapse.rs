@@ -15,8 +15,8 @@ use obvhs::{aabb::Aabb, bvh2::node::Bvh2Node};
 pub(super) const NODE_COST: f32 = 1.0;
 /// Cost of testing a ray with a block of triangles.
 pub(super) const BLOCK_COST: f32 = 0.6;
-/// Most triangles that the collapse puts into a leaf.
-pub(super) const MAX_LEAF: usize = 2 * BLOCK;
+/// Most triangles in a leaf.
+pub(super) const MAX_LEAF: usize = BLOCK;
 
 /// How a node is represented by at most so many roots.
 #[derive(Clone, Copy, Default)]
@@ -118,7 +118,7 @@ fn children(node: &Bvh2Node) -> (usize, usize) {
 
 fn leaf_cost(area: f32, count: usize) -> f32 {
     if count <= MAX_LEAF {
-        area * BLOCK_COST * count.div_ceil(BLOCK) as f32
+        area * BLOCK_COST
     } else {
         f32::INFINITY
     }

@@ -1,31 +1,47 @@
 //! A description becomes the tables that kernels read.
 
-use super::builder::{Builder, Placed};
+use super::builder::Builder;
 use super::camera;
 use super::compiled::{FilmSpec, Material, Scene};
 use super::description::{self, Description};
 use super::error::SceneError;
 use super::hash;
-use super::import::obj;
+use super::import::Imported;
+use super::load::GeometryFile;
 use super::shapes::Shapes;
 use super::toml::SceneFile;
 use super::values::{NonNegative, OneOrThree, Unit};
 use crate::settings::{Integrator, Settings};
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 use std::path::Path;
 
-/// Compiles a native scene file.
-pub(super) fn native(path: &Path) -> Result<Scene, SceneError> {
-    let file = SceneFile::read(path)?;
-    let said = file.parse()?;
-    let film = film(&said.film);
-    let mut shapes = Shapes::new(&file, materials(&said));
+/// What can be told to be wrong before the geometry is there, shapes apart.
+pub(super) fn check(file: &SceneFile, said: &Description) -> Result<(), SceneError> {
+    match &said.camera {
+        Some(camera) => {
+            let film = film(Some(&said.film));
+            camera::compile(camera.get_ref(), camera.span(), film, file).map(|_| ())
+        }
+        None => Ok(()),
+    }
+}
+
+/// Compiles a native scene, whose files hold what `imported` says.
+pub(super) fn native(
+    file: &SceneFile,
+    said: &Description,
+    files: &[GeometryFile],
+    imported: Vec<Imported>,
+) -> Result<Scene, SceneError> {
+    let path = &file.path;
+    let film = film(Some(&said.film));
+    let mut shapes = Shapes::new(file, said, files, imported);
     for shape in &said.shapes {
         shapes.add(shape)?;
     }
     let mesh = &shapes.builder.mesh;
     let camera = match &said.camera {
-        Some(camera) => camera::compile(camera.get_ref(), camera.span(), film, &file)?,
+        Some(camera) => camera::compile(camera.get_ref(), camera.span(), film, file)?,
         None => camera::framing(mesh, film).ok_or_else(|| too_large(path))?,
     };
     let sky = said.sky.as_ref().map(|sky| radiance(sky.radiance));
@@ -42,20 +58,18 @@ pub(super) fn native(path: &Path) -> Result<Scene, SceneError> {
     }))
 }
 
-/// Compiles a bare OBJ file: a camera that frames it, and a soft sky if it brings no light.
-pub(super) fn bare_obj(path: &Path) -> Result<Scene, SceneError> {
-    let imported = obj::load(path)?;
+/// Compiles a bare file of geometry: a camera that frames it, and a soft sky if it brings no light.
+pub(super) fn bare(path: &Path, imported: Vec<Imported>) -> Result<Scene, SceneError> {
     let mut builder = Builder::default();
-    let vertex = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from));
-    let placed = Placed {
-        vertices: imported.vertices.iter().map(vertex),
-        triangles: &imported.triangles,
-        transform: DAffine3::IDENTITY,
-    };
-    builder
-        .append(placed, |i| imported.material[i])
-        .map_err(|e| SceneError::file(path, e))?;
-    let film = film(&description::Film::default());
+    let (mut materials, mut warnings) = (Vec::new(), Vec::new());
+    for mut imported in imported {
+        materials.append(&mut imported.materials);
+        warnings.append(&mut imported.warnings);
+        builder
+            .append_file(imported, DAffine3::IDENTITY)
+            .map_err(|e| SceneError::file(path, e))?;
+    }
+    let film = film(None);
     let camera = camera::framing(&builder.mesh, film).ok_or_else(|| too_large(path))?;
     let mut scene = Scene {
         name: stem(path),
@@ -64,8 +78,8 @@ pub(super) fn bare_obj(path: &Path) -> Result<Scene, SceneError> {
         film,
         sky: None,
         settings: Settings::default(),
-        materials: imported.materials,
-        warnings: with_dropped(imported.warnings, &builder),
+        materials,
+        warnings: with_dropped(warnings, &builder),
         mesh: builder.mesh,
     };
     if !emits(&scene) {
@@ -76,6 +90,9 @@ pub(super) fn bare_obj(path: &Path) -> Result<Scene, SceneError> {
 
 /// What both kinds of scene end with: the hash, and warnings about the whole.
 fn finish(mut scene: Scene) -> Scene {
+    scene.mesh.vertices.shrink_to_fit();
+    scene.mesh.indices.shrink_to_fit();
+    scene.mesh.material.shrink_to_fit();
     if scene.mesh.indices.is_empty() {
         let message = "no shapes: the camera sees nothing but the sky";
         scene.warnings.push(message.to_owned());
@@ -118,7 +135,10 @@ fn stem(path: &Path) -> String {
     stem.to_string_lossy().into_owned()
 }
 
-fn film(said: &description::Film) -> FilmSpec {
+/// The film that a scene file asks for, or the default.
+pub(super) fn film(said: Option<&description::Film>) -> FilmSpec {
+    let default = description::Film::default();
+    let said = said.unwrap_or(&default);
     FilmSpec {
         width: said.width.0,
         height: said.height.0,
@@ -140,7 +160,8 @@ fn settings(said: &description::Settings) -> Settings {
     }
 }
 
-fn materials(said: &Description) -> Vec<Material> {
+/// The materials that a scene file names.
+pub(super) fn materials(said: &Description) -> Vec<Material> {
     let material = |(name, m): (&String, &description::Material)| Material {
         name: name.clone(),
         albedo: reflectance(m.albedo),
