@@ -5,7 +5,8 @@ mod common;
 
 use common::{Source, Suite};
 use huygens_kernels::lanes::{LANES, Ux, iota};
-use huygens_kernels::rng::{Independent, Sampler, pcg4d, unit};
+use huygens_kernels::rng::{pcg4d, unit};
+use huygens_kernels::sampler::{Independent, Sampler};
 use proptest::prelude::*;
 
 /// Jarzynski and Olano (2020), listing of `pcg4d`, one lane.
