@@ -86,11 +86,11 @@ fn reversed_sobol(index: Ux) -> [Ux; 4] {
     // The matrix of dimension 0 reverses the index. That of dimension 1 is Pascal's triangle modulo
     // 2: the fivefold Kronecker power of a 2 x 2 triangle, so five steps multiply with it.
     let mut y = index;
-    y ^= y << 16;
-    y ^= (y & Ux::splat(0x00ff_00ff)) << 8;
-    y ^= (y & Ux::splat(0x0f0f_0f0f)) << 4;
-    y ^= (y & Ux::splat(0x3333_3333)) << 2;
-    y ^= (y & Ux::splat(0x5555_5555)) << 1;
+    y ^= y >> 16;
+    y ^= (y & Ux::splat(0xff00_ff00)) >> 8;
+    y ^= (y & Ux::splat(0xf0f0_f0f0)) >> 4;
+    y ^= (y & Ux::splat(0xcccc_cccc)) >> 2;
+    y ^= (y & Ux::splat(0xaaaa_aaaa)) >> 1;
     // The others, column by column, as far as any lane's index goes. The bound of the loop lets the
     // compiler drop it where a caller leaves dimensions 2 and 3 unused.
     let (mut z, mut w) = (Ux::ZERO, Ux::ZERO);
