@@ -8,9 +8,10 @@
 //! A row is a number of samples a pixel. For each sampler:
 //!
 //! * the root mean square error over pixels, channels and seeds, relative to the image's mean;
-//! * the root mean square of relative errors, `(value - reference) / (reference + mean / 100)`, which
-//!   the brightest pixels do not outweigh;
-//! * the same after a Gaussian blur of one pixel's standard deviation, where blue noise shows;
+//! * the median over the same of relative errors, `|value - reference| / (reference + mean / 100)`,
+//!   which the brightest pixels do not outweigh;
+//! * the median after the relative errors, with their signs, went through a Gaussian blur of one
+//!   pixel's standard deviation, where blue noise shows;
 //! * processor time relative to independent numbers, the smallest over the seeds, the runs of all
 //!   samplers taking turns on one thread.
 //!
@@ -85,40 +86,50 @@ fn run(arguments: &[String]) -> Result<(), String> {
         .collect();
 
     let columns = scene.film.width as usize;
-    let errors = |error: &Pixels| -> [f64; 3] {
+    // The square error, and relative errors without and with blur.
+    let errors = |error: &Pixels| -> (f64, [Pixels; 2]) {
         let relative: Pixels = error
             .iter()
             .zip(&reference)
             .map(|(e, r)| std::array::from_fn(|c| e[c] / (r[c] + 0.01 * mean as f32)))
             .collect();
-        [
-            mean_square(error) / (mean * mean),
-            mean_square(&relative),
-            mean_square(&blurred(&relative, columns)),
-        ]
+        let blurred = blurred(&relative, columns);
+        (mean_square(error), [relative, blurred])
     };
-    let print = |errors: [f64; 3]| errors.map(|e| format!("{:.2e}", e.sqrt())).join(" ");
+    let print = |square: f64, relative: [Pixels; 2]| {
+        let [plain, blurred] = relative.map(median);
+        format!("{:.2e} {plain:.2e} {blurred:.2e}", square.sqrt() / mean)
+    };
 
-    println!("{path}, {width} x {height}, {seeds} seeds: rmse, relative, blurred, time");
+    println!("{path}, {width} x {height}, {seeds} seeds: rmse, median, median blurred, time");
     let names = SAMPLERS.map(|s| format!("{:<33}", format!("{s:?}")));
     println!("{:>5}  {}", "spp", names.join("  "));
     let mut spp = 1;
     while spp <= most {
-        let mut sums = [[0.0; 3]; 4];
+        let mut squares = [0.0; 4];
+        let mut relative: [[Pixels; 2]; 4] = Default::default();
         let mut seconds = [f64::INFINITY; 4];
         for seed in 0..seeds {
             for (k, sampler) in SAMPLERS.into_iter().enumerate() {
                 let (pixels, time) = shoot(sampler, spp, seed, 1);
-                let found = errors(&difference(&pixels, &reference));
-                (0..3).for_each(|e| sums[k][e] += found[e] / f64::from(seeds));
+                let (square, found) = errors(&difference(&pixels, &reference));
+                squares[k] += square / f64::from(seeds);
+                for (all, found) in relative[k].iter_mut().zip(found) {
+                    all.extend(found);
+                }
                 seconds[k] = seconds[k].min(time);
             }
         }
-        let cell = |k: usize| format!("{} {:5.3}", print(sums[k]), seconds[k] / seconds[0]);
-        println!("{spp:>5}  {}", [0, 1, 2, 3].map(cell).join("  "));
+        print!("{spp:>5}");
+        for (k, relative) in relative.into_iter().enumerate() {
+            let time = seconds[k] / seconds[0];
+            print!("  {} {time:5.3}", print(squares[k], relative));
+        }
+        println!();
         spp *= 2;
     }
-    println!("  ref  {}", print(errors(&half)));
+    let (square, relative) = errors(&half);
+    println!("  ref  {}", print(square, relative));
     Ok(())
 }
 
@@ -141,6 +152,13 @@ fn difference(a: &Pixels, b: &Pixels) -> Pixels {
 fn mean_square(pixels: &Pixels) -> f64 {
     let squares = pixels.as_flattened().iter().map(|&v| f64::from(v).powi(2));
     squares.sum::<f64>() / (3 * pixels.len()) as f64
+}
+
+/// The median of all magnitudes.
+fn median(pixels: Pixels) -> f32 {
+    let mut all: Vec<f32> = pixels.as_flattened().iter().map(|v| v.abs()).collect();
+    let middle = all.len() / 2;
+    *all.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
 /// Convolved with a Gaussian of standard deviation 1, cut at 3 and at the borders.
