@@ -2,7 +2,7 @@
 //! of samples a pixel.
 //!
 //! ```text
-//! cargo run --release --example samplers -- SCENE WIDTHxHEIGHT MOST_SPP REFERENCE_SPP [SEEDS]
+//! cargo run --release --example samplers -- SCENE WIDTHxHEIGHT SPP[,SPP...] REFERENCE_SPP [SEEDS]
 //! ```
 //!
 //! A row is a number of samples a pixel. For each sampler:
@@ -42,16 +42,17 @@ fn main() {
 }
 
 fn run(arguments: &[String]) -> Result<(), String> {
-    let (&[ref path, ref size, ref most, ref reference_spp], seeds) = arguments
+    let (&[ref path, ref size, ref ladder, ref reference_spp], seeds) = arguments
         .split_first_chunk::<4>()
-        .ok_or("usage: samplers SCENE WIDTHxHEIGHT MOST_SPP REFERENCE_SPP [SEEDS]")?;
+        .ok_or("usage: samplers SCENE WIDTHxHEIGHT SPP[,SPP...] REFERENCE_SPP [SEEDS]")?;
     let number = |text: &str| text.parse::<u32>().map_err(|e| format!("{text}: {e}"));
     let mut scene = scene::load(path.as_ref()).map_err(|e| e.to_string())?;
     let (width, height) = size.split_once('x').ok_or("the size is WIDTHxHEIGHT")?;
     (scene.film.width, scene.film.height) = (number(width)?, number(height)?);
     scene.camera.half_width =
         scene.camera.half_height * scene.film.width as f32 / scene.film.height as f32;
-    let (most, reference_spp) = (number(most)?, number(reference_spp)?);
+    let reference_spp = number(reference_spp)?;
+    let ladder: Vec<u32> = ladder.split(',').map(number).collect::<Result<_, _>>()?;
     let seeds = seeds.first().map_or(Ok(4), |s| number(s))?;
     let geometry = Geometry::build(&scene.mesh);
     let scene = &scene;
@@ -104,8 +105,7 @@ fn run(arguments: &[String]) -> Result<(), String> {
     println!("{path}, {width} x {height}, {seeds} seeds: rmse, median, median blurred, time");
     let names = SAMPLERS.map(|s| format!("{:<33}", format!("{s:?}")));
     println!("{:>5}  {}", "spp", names.join("  "));
-    let mut spp = 1;
-    while spp <= most {
+    for spp in ladder {
         let mut squares = [0.0; 4];
         let mut relative: [[Pixels; 2]; 4] = Default::default();
         let mut seconds = [f64::INFINITY; 4];
@@ -126,7 +126,6 @@ fn run(arguments: &[String]) -> Result<(), String> {
             print!("  {} {time:5.3}", print(squares[k], relative));
         }
         println!();
-        spp *= 2;
     }
     let (square, relative) = errors(&half);
     println!("  ref  {}", print(square, relative));

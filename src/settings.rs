@@ -87,7 +87,7 @@ impl Default for Settings {
         Self {
             integrator: Integrator::Path,
             strategy: Strategy::Mis,
-            sampler: Sampler::Independent,
+            sampler: Sampler::Sobol,
             spp: 64,
             max_depth: None,
             roulette: true,

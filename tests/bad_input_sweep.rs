@@ -103,6 +103,7 @@ filter = "blackman-harris"
 [settings]
 integrator = "path"
 strategy = "mis"
+sampler = "blue-noise"
 spp = 16
 max_depth = 8
 roulette = true

@@ -26,6 +26,11 @@ fn scrambled(x: u32, seed: u32, factor: u32) -> u32 {
     x.reverse_bits()
 }
 
+/// Words of which all bits count.
+fn seeds(counter: [u32; 4]) -> [u32; 4] {
+    pcg4d_twin(counter).map(|w| w ^ (w >> 16))
+}
+
 /// Point `index` of the shuffled and scrambled sequence that four words choose.
 fn owen_sobol(words: [u32; 4], index: u32) -> [u32; 4] {
     let [p, q, r, s] = words;
@@ -38,7 +43,7 @@ fn owen_sobol(words: [u32; 4], index: u32) -> [u32; 4] {
 
 fn sobol_sampler_twin(seed: u32, [x, y, sample, block]: [u32; 4]) -> [u32; 4] {
     let pixel = finalizer((y << 16) | x);
-    owen_sobol(pcg4d_twin([pixel, 0, block, finalizer(seed)]), sample)
+    owen_sobol(seeds([pixel, 0, block, finalizer(seed)]), sample)
 }
 
 fn blue_noise_twin(seed: u32, spp: u32, [x, y, sample, block]: [u32; 4]) -> [u32; 4] {
@@ -51,7 +56,7 @@ fn blue_noise_twin(seed: u32, spp: u32, [x, y, sample, block]: [u32; 4]) -> [u32
             sum | (((x >> k) & 1) << (31 - 2 * k)) | (((y >> k) & 1) << (30 - 2 * k))
         })
     };
-    let words = pcg4d_twin([
+    let words = seeds([
         code(x, y, levels, 16),
         sample >> bits,
         block,
@@ -112,8 +117,8 @@ fn stratified_twin(seed: u32, spp: u32, [x, y, sample, block]: [u32; 4]) -> [f64
     let across = f64::from(spp).sqrt().floor() as u32;
     let down = spp.div_ceil(across);
     let pixel = finalizer((y << 16) | x);
-    let words = |sample| pcg4d_twin([pixel, sample, block, finalizer(seed)]);
-    let jitter = words(sample).map(|w| f64::from(w >> 8) / 16_777_216.0);
+    let jitter = pcg4d_twin([pixel, sample, block, finalizer(seed)])
+        .map(|w| f64::from(w >> 8) / 16_777_216.0);
     let pair = |word: u32, jitter: [f64; 2]| {
         let s = permute_twin(sample, spp, word.wrapping_mul(0x5163_3e2d));
         let column = permute_twin(s % across, across, word.wrapping_mul(0x68bc_21eb));
@@ -125,7 +130,7 @@ fn stratified_twin(seed: u32, spp: u32, [x, y, sample, block]: [u32; 4]) -> [f64
             (s + jitter[1]) / n,
         ]
     };
-    let [p, q, ..] = words(u32::MAX);
+    let [p, q, ..] = seeds([pixel, u32::MAX, block, finalizer(seed)]);
     let [u, v] = pair(p, [jitter[0], jitter[1]]);
     let [s, t] = pair(q, [jitter[2], jitter[3]]);
     [u, v, s, t]

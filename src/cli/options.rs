@@ -129,9 +129,24 @@ impl ImageOptions {
     }
 
     /// Warnings about options that do nothing for `scene`, over which they have been put.
-    pub(crate) fn needless(&self, scene: &Scene) -> Option<String> {
-        (self.ao_distance.is_some() && scene.settings.integrator != Integrator::Ao)
-            .then(|| "--ao-distance does nothing: the integrator is not ao".to_owned())
+    pub(crate) fn needless(&self, scene: &Scene) -> Vec<String> {
+        let integrator = scene.settings.integrator;
+        let no_ao = self.ao_distance.is_some() && integrator != Integrator::Ao;
+        let reference = self.sampler.is_some() && integrator == Integrator::Reference;
+        [
+            (
+                no_ao,
+                "--ao-distance does nothing: the integrator is not ao",
+            ),
+            (
+                reference,
+                "--sampler does nothing: the integrator reference has numbers of its own",
+            ),
+        ]
+        .into_iter()
+        .filter(|(needless, _)| *needless)
+        .map(|(_, message)| message.to_owned())
+        .collect()
     }
 }
 

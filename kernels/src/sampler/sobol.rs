@@ -16,7 +16,7 @@
 use super::owen::{nested, nested_from_zero, reverse};
 use super::{Sampler, pixel_name};
 use crate::lanes::{Fx, Ux};
-use crate::rng::{pcg4d, scatter, unit};
+use crate::rng::{scatter, seeds, unit};
 
 /// Owen-scrambled, padded Sobol points; pixels are independent of each other.
 #[derive(Clone, Copy, Debug)]
@@ -33,8 +33,7 @@ impl Sampler for Sobol {
 
     #[inline(always)]
     fn draw4(&self, pixel: Ux, sample: Ux, block: Ux) -> [Fx; 4] {
-        let seeds = Seeds::new(pixel, Ux::ZERO, block, self.seed);
-        seeds.point(reverse(sample))
+        Seeds::new(pixel, Ux::ZERO, block, self.seed).point(reverse(sample))
     }
 }
 
@@ -50,7 +49,7 @@ impl Seeds {
     /// The seeds that belong to three words and the render's seed.
     #[inline(always)]
     pub(super) fn new(a: Ux, b: Ux, block: Ux, seed: u32) -> Self {
-        let dimensions = pcg4d([a, b, block, scatter(Ux::splat(seed))]);
+        let dimensions = seeds([a, b, block, scatter(Ux::splat(seed))]);
         let [p, q, r, s] = dimensions;
         // Five scramblings need five words and the hash gives four: the fifth is a hash of those.
         let order = scatter((p ^ (r >> 3)) + (q ^ (s << 5)));

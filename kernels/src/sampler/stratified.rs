@@ -21,7 +21,7 @@
 
 use super::{Sampler, pixel_name};
 use crate::lanes::{Fx, Ux, to_f32};
-use crate::rng::{pcg4d, scatter, unit};
+use crate::rng::{pcg4d, scatter, seeds, unit};
 
 /// The largest number that [`Sampler::draw4`] may return.
 const BELOW_ONE: f32 = 1.0 - 1.0 / 16_777_216.0;
@@ -93,7 +93,7 @@ impl Sampler for Stratified {
         let seed = scatter(Ux::splat(self.seed));
         let [a, b, c, d] = pcg4d([pixel, sample, block, seed]).map(unit);
         // No sample has this number, so these words are no sample's jitter.
-        let [p, q, ..] = pcg4d([pixel, Ux::splat(u32::MAX), block, seed]);
+        let [p, q, ..] = seeds([pixel, Ux::splat(u32::MAX), block, seed]);
         let [u, v] = self.pair(sample, p, [a, b]);
         let [s, t] = self.pair(sample, q, [c, d]);
         [u, v, s, t]
