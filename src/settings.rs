@@ -37,9 +37,23 @@ pub enum Strategy {
     Mis,
 }
 
+/// How the numbers that a path draws are spread over the samples of a pixel; none biases the image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sampler {
+    /// Independent uniform numbers.
+    Independent,
+    /// A jittered grid of as many cells as samples, shuffled, a pair of numbers at a time.
+    Stratified,
+    /// Owen-scrambled Sobol points, four numbers at a time. Best at powers of two.
+    Sobol,
+    /// The same, with neighbouring pixels' errors as different as possible. Best at powers of two.
+    BlueNoise,
+}
+
 /// Everything that a render needs besides scene, geometry and film.
 ///
-/// The image depends on `integrator`, `strategy`, `spp`, `max_depth`, `roulette`, `seed` and
+/// The image depends on `integrator`, `strategy`, `sampler`, `spp`, `max_depth`, `roulette`, `seed` and
 /// `ao_distance`; never on `threads`, `wave` or `tile`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -47,6 +61,8 @@ pub struct Settings {
     pub integrator: Integrator,
     /// How a surface looks for light.
     pub strategy: Strategy,
+    /// Where the random numbers come from. The integrator `reference` has its own.
+    pub sampler: Sampler,
     /// Samples a pixel, at least 1.
     pub spp: u32,
     /// The largest number of scattering events on a path; 0 shows emission only. `None`: no limit.
@@ -71,6 +87,7 @@ impl Default for Settings {
         Self {
             integrator: Integrator::Path,
             strategy: Strategy::Mis,
+            sampler: Sampler::Sobol,
             spp: 64,
             max_depth: None,
             roulette: true,

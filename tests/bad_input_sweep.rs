@@ -135,6 +135,7 @@ filter = "blackman-harris"
 [settings]
 integrator = "path"
 strategy = "mis"
+sampler = "blue-noise"
 spp = 16
 max_depth = 8
 roulette = true

@@ -6,7 +6,7 @@ use common::picture::render;
 use common::scenes::{Builder, cornell_box, floor_from_above};
 use huygens::film::Image;
 use huygens::scene::{Scene, Sky};
-use huygens::settings::{Integrator, Settings, Strategy};
+use huygens::settings::{Integrator, Sampler, Settings, Strategy};
 
 /// Means and variances, bit by bit, and counts.
 fn bits(image: &Image) -> (Vec<[u32; 3]>, Vec<[u32; 3]>, &[u32]) {
@@ -89,6 +89,27 @@ fn with_every_strategy_and_integrator() {
             ..settings(Strategy::Mis, integrator)
         };
         assert_identical(&scene, &short);
+    }
+}
+
+#[test]
+fn with_every_sampler() {
+    let mut scene = box_70_by_51();
+    (scene.film.width, scene.film.height) = (21, 18);
+    for sampler in [
+        Sampler::Independent,
+        Sampler::Stratified,
+        Sampler::Sobol,
+        Sampler::BlueNoise,
+    ] {
+        for spp in [64, 75] {
+            let settings = Settings {
+                sampler,
+                spp,
+                ..settings(Strategy::Mis, Integrator::Path)
+            };
+            assert_identical(&scene, &settings);
+        }
     }
 }
 

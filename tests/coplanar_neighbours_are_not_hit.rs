@@ -8,7 +8,7 @@ use huygens::scene::Mesh;
 use huygens_kernels::hemisphere::{sample_cosine, sample_uniform, to_world};
 use huygens_kernels::lanes::{Fx, LANES, Ux, iota, padded};
 use huygens_kernels::rays::{Hits, NO_PRIMITIVE, Rays};
-use huygens_kernels::rng::{Independent, Sampler};
+use huygens_kernels::sampler::{Independent, Sampler};
 use huygens_kernels::surface::Surface;
 use huygens_kernels::tables::Triangles;
 use huygens_kernels::vec3::Vec3x;

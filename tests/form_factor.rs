@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::picture::mean_by_wave;
+use common::picture::{independent, mean_by_wave};
 use common::scenes::{Builder, floor_from_above};
 use common::statistics::assert_mean;
 use huygens::settings::{Integrator, Settings, Strategy};
@@ -48,7 +48,7 @@ fn settings(strategy: Strategy) -> Settings {
         strategy,
         integrator: Integrator::Direct,
         spp: 16_384,
-        ..Settings::default()
+        ..independent()
     }
 }
 

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::picture::{Mean, Picture, by_wave, mean_by_wave, render};
+use common::picture::{Mean, Picture, by_wave, independent, mean_by_wave, render};
 use common::scenes::{Builder, camera_along_z, cornell_box, floor_from_above, furnace};
 use common::statistics::assert_mean;
 use huygens::scene::Scene;
@@ -15,7 +15,7 @@ fn settings(integrator: Integrator, spp: u32) -> Settings {
     Settings {
         integrator,
         spp,
-        ..Settings::default()
+        ..independent()
     }
 }
 

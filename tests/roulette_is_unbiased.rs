@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::picture::{Picture, by_wave, render};
+use common::picture::{Picture, by_wave, independent, render};
 use common::scenes::cornell_box;
 use common::statistics::{SIGNIFICANCE, same};
 use huygens::scene::Scene;
@@ -16,7 +16,7 @@ fn settings(strategy: Strategy, roulette: bool) -> Settings {
         max_depth: None,
         // The two renders must not share their noise.
         seed: u32::from(roulette),
-        ..Settings::default()
+        ..independent()
     }
 }
 

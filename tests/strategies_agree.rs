@@ -9,11 +9,11 @@
 
 mod common;
 
-use common::picture::{Picture, by_reference, by_wave};
+use common::picture::{Picture, by_reference, by_wave, independent, over_seeds};
 use common::scenes::{Builder, camera_along_z, cornell_box};
-use common::statistics::{SIGNIFICANCE, same};
+use common::statistics::{SIGNIFICANCE, same, threshold};
 use huygens::scene::{Scene, Sky};
-use huygens::settings::{Integrator, Settings, Strategy};
+use huygens::settings::{Integrator, Sampler, Settings, Strategy};
 
 const STORED: &str = include_str!("data/cornell-box.txt");
 const SIZE: u32 = 16;
@@ -29,7 +29,7 @@ fn settings(integrator: Integrator, strategy: Strategy, spp: u32) -> Settings {
         strategy,
         spp,
         max_depth: Some(MAX_DEPTH),
-        ..Settings::default()
+        ..independent()
     }
 }
 
@@ -161,6 +161,42 @@ fn mis_agrees() {
         &settings(Integrator::Path, Strategy::Mis, 8192),
         |_| None,
     );
+}
+
+/// Samplers, each with numbers of samples that it likes and such that it does not. Six comparisons
+/// share [`SIGNIFICANCE`].
+#[test]
+fn every_sampler_agrees() {
+    let stored = Stored::read().picture;
+    let scene = cornell_box(SIZE);
+    let level = SIGNIFICANCE / 6.0;
+    for (sampler, spp) in [
+        (Sampler::Stratified, 16),
+        (Sampler::Stratified, 13),
+        (Sampler::Sobol, 16),
+        (Sampler::Sobol, 21),
+        (Sampler::BlueNoise, 16),
+        (Sampler::BlueNoise, 9),
+    ] {
+        let settings = Settings {
+            sampler,
+            ..settings(Integrator::Path, Strategy::Mis, spp)
+        };
+        let z = threshold(0.5 * level, 3 * stored.mean.len());
+        // As many samples as `mis_agrees` takes.
+        let rendered = over_seeds(&scene, &settings, 8192 / spp, z);
+        if let Err(difference) = same(&rendered, &stored, level) {
+            let path = rendered.leave_behind(&format!("every_sampler_agrees-{sampler:?}-{spp}"));
+            panic!("{sampler:?}, {spp}: {difference} (the render is in {path})");
+        }
+        for factor in [0.98, 1.02] {
+            let wrong = same(&rendered.scaled(factor), &stored, level);
+            assert!(
+                wrong.is_err(),
+                "{sampler:?}: {factor} times the image passes too"
+            );
+        }
+    }
 }
 
 /// The stored law of a sample is that of paths which only the depth ends.

@@ -13,11 +13,12 @@
 
 mod common;
 
-use common::picture::mean_by_wave;
+use common::picture::{independent, mean_by_wave};
 use common::scenes::{furnace, round_furnace};
 use common::statistics::assert_mean;
+use huygens::estimate::Running;
 use huygens::scene::Scene;
-use huygens::settings::{Settings, Strategy};
+use huygens::settings::{Sampler, Settings, Strategy};
 
 const ALBEDOS: [f32; 5] = [0.0, 0.1, 0.5, 0.9, 0.99];
 
@@ -44,7 +45,7 @@ fn a_closed_furnace_holds_the_whole_series() {
                 spp: (8192.0 * (1.0 - albedo).max(0.1)) as u32,
                 max_depth: None,
                 roulette: true,
-                ..Settings::default()
+                ..independent()
             };
             let expected = 1.0 / (1.0 - f64::from(albedo));
             let mean = mean_by_wave(&furnace(albedo), &settings);
@@ -63,7 +64,7 @@ fn a_furnace_cut_at_n_holds_the_series_up_to_n() {
                     spp: 1024,
                     max_depth: Some(depth),
                     roulette: false,
-                    ..Settings::default()
+                    ..independent()
                 };
                 let rho = f64::from(albedo);
                 let expected = (0..=depth).map(|k| rho.powi(k as i32)).sum();
@@ -71,6 +72,37 @@ fn a_furnace_cut_at_n_holds_the_series_up_to_n() {
                 let what = format!("{strategy:?} at {albedo}, depth {depth}");
                 assert_mean(&what, mean, expected, 4 * 5 * 7);
             }
+        }
+    }
+}
+
+/// With every sampler, by how many renders with seeds of their own scatter.
+#[test]
+fn a_furnace_is_a_furnace_with_every_sampler() {
+    for (sampler, spp) in [
+        (Sampler::Stratified, 16),
+        (Sampler::Stratified, 11),
+        (Sampler::Sobol, 16),
+        (Sampler::Sobol, 11),
+        (Sampler::BlueNoise, 16),
+        (Sampler::BlueNoise, 11),
+    ] {
+        for albedo in [0.5, 0.9] {
+            let scene = furnace(albedo);
+            let means: Running = (0..256)
+                .map(|seed| {
+                    let settings = Settings {
+                        sampler,
+                        spp,
+                        seed,
+                        ..Settings::default()
+                    };
+                    mean_by_wave(&scene, &settings).value
+                })
+                .collect();
+            let expected = 1.0 / (1.0 - f64::from(albedo));
+            let what = format!("{sampler:?}, {spp}, at {albedo}");
+            assert_mean(&what, (&means).into(), expected, 12);
         }
     }
 }
@@ -83,7 +115,7 @@ fn one_percent_is_seen() {
         strategy: Strategy::Mis,
         spp: 8192,
         max_depth: Some(6),
-        ..Settings::default()
+        ..independent()
     };
     let rho = f64::from(0.9f32);
     let series: f64 = (0..=6).map(|k| rho.powi(k)).sum();

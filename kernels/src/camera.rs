@@ -10,7 +10,7 @@ use crate::filter;
 use crate::lanes::{Fx, LANES, Ux, iota, padded, store, store_u32, to_f32};
 use crate::queues::{LAST_RAY, PathsMut};
 use crate::rays::NO_PRIMITIVE;
-use crate::rng::{CAMERA_BLOCK, Sampler, pixel_name};
+use crate::sampler::{CAMERA_BLOCK, Sampler};
 use crate::vec3::Vec3x;
 use std::ops::Range;
 
@@ -85,7 +85,7 @@ pub fn camera_rays<S: Sampler>(
             }
         }
         let (x, y, sample) = (Ux::new(x), Ux::new(y), Ux::new(sample));
-        let name = pixel_name(x, y);
+        let name = sampler.pixel(x, y);
         let [u, v, ..] = sampler.draw4(name, sample, Ux::splat(CAMERA_BLOCK));
         let half = Fx::splat(0.5);
         let fx = to_f32(x) + half + filter::sample(lens.filter, u);

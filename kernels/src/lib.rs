@@ -29,6 +29,7 @@ pub mod queues;
 pub mod rays;
 pub mod rng;
 pub mod roulette;
+pub mod sampler;
 pub mod scatter;
 pub mod slabs;
 pub mod soa;

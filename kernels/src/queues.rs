@@ -21,7 +21,7 @@ soa! {
         leaves: U32,
         /// The camera sample in the job: where the path's radiance is added up.
         slot: U32,
-        /// The pixel's name to the sampler; see `rng::pixel_name`.
+        /// The pixel, as the sampler knows it; see `sampler::Sampler::pixel`.
         pixel: U32,
         /// Sample index within the pixel.
         sample: U32,

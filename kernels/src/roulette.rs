@@ -13,7 +13,7 @@ use crate::accumulate::report;
 use crate::compact::Kept;
 use crate::lanes::{Fx, LANES, Ux, as_bits, as_mask, first, load, load_u32, padded, store_u32};
 use crate::queues::{LAST_RAY, PathsMut};
-use crate::rng::{Block, Sampler, block};
+use crate::sampler::{Block, Sampler, block};
 use crate::vec3::Vec3x;
 
 /// The rules of the stage.

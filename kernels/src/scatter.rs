@@ -23,7 +23,7 @@ use crate::math::INV_PI;
 use crate::mis::power_heuristic;
 use crate::queues::{Identity, Listed, PathsMut, ShadowsMut};
 use crate::rays::NO_PRIMITIVE;
-use crate::rng::{Block, Sampler, block};
+use crate::sampler::{Block, Sampler, block};
 use crate::surface::Surface;
 use crate::tables::Tables;
 use crate::vec3::Vec3x;

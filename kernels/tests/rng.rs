@@ -3,26 +3,11 @@
 
 mod common;
 
-use common::{Source, Suite};
+use common::{Source, Suite, pcg4d_twin as twin};
 use huygens_kernels::lanes::{LANES, Ux, iota};
-use huygens_kernels::rng::{Independent, Sampler, pcg4d, unit};
+use huygens_kernels::rng::{pcg4d, seeds, unit};
+use huygens_kernels::sampler::{Independent, Sampler};
 use proptest::prelude::*;
-
-/// Jarzynski and Olano (2020), listing of `pcg4d`, one lane.
-fn twin([x, y, z, w]: [u32; 4]) -> [u32; 4] {
-    let start = |e: u32| e.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-    let mut v = [x, y, z, w].map(start);
-    let multiply = |v: &mut [u32; 4]| {
-        v[0] = v[0].wrapping_add(v[1].wrapping_mul(v[3]));
-        v[1] = v[1].wrapping_add(v[2].wrapping_mul(v[0]));
-        v[2] = v[2].wrapping_add(v[0].wrapping_mul(v[1]));
-        v[3] = v[3].wrapping_add(v[1].wrapping_mul(v[2]));
-    };
-    multiply(&mut v);
-    v = v.map(|e| e ^ (e >> 16));
-    multiply(&mut v);
-    v
-}
 
 /// The twin backwards, step by step.
 fn inverse(mut v: [u32; 4]) -> [u32; 4] {
@@ -286,6 +271,33 @@ fn the_lower_half_of_each_word_avalanches() {
             }
         }
     }
+}
+
+/// Bits of the seeds of three successive vertices of a path, over many paths: all combinations alike.
+#[test]
+fn every_bit_of_a_seed_is_independent_over_the_vertices_of_a_path() {
+    let mut suite = Suite::default();
+    let mut cells = [[[0u64; 8]; 32]; 4];
+    for pixel in (0..1 << 16).step_by(LANES) {
+        let at = |block| seeds([iota(pixel), Ux::splat(0), Ux::splat(block), Ux::splat(0)]);
+        let vertices = [1, 3, 5].map(|block| at(block).map(|word| word.to_array()));
+        for (word, cells) in cells.iter_mut().enumerate() {
+            for (bit, cells) in cells.iter_mut().enumerate() {
+                for l in 0..LANES {
+                    let cell = vertices
+                        .iter()
+                        .fold(0, |cell, v| 2 * cell + ((v[word][l] >> bit) & 1));
+                    cells[cell as usize] += 1;
+                }
+            }
+        }
+    }
+    for (word, cells) in cells.iter().enumerate() {
+        for (bit, cells) in cells.iter().enumerate() {
+            suite.test_uniform(&format!("bit {bit} of word {word}"), cells);
+        }
+    }
+    suite.finish();
 }
 
 /// A 16 by 16 cell of the unit square.

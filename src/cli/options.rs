@@ -3,7 +3,7 @@
 use crate::cli::memory;
 use clap::{Args, ValueEnum};
 use huygens::scene::{Filter, Scene};
-use huygens::settings::{Integrator, Settings, Strategy};
+use huygens::settings::{Integrator, Sampler, Settings, Strategy};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -47,6 +47,10 @@ pub(crate) struct ImageOptions {
     /// How a surface looks for light
     #[arg(long, value_name = "NAME")]
     pub(crate) strategy: Option<Strategy>,
+
+    /// How the random numbers are spread over a pixel's samples
+    #[arg(long, value_name = "NAME")]
+    pub(crate) sampler: Option<Sampler>,
 
     /// Whether paths end at random by their throughput
     #[arg(long, value_name = "on|off")]
@@ -115,15 +119,31 @@ impl ImageOptions {
         s.max_depth = self.max_depth.map_or(s.max_depth, |d| d.0);
         s.integrator = self.integrator.unwrap_or(s.integrator);
         s.strategy = self.strategy.unwrap_or(s.strategy);
+        s.sampler = self.sampler.unwrap_or(s.sampler);
         s.roulette = self.roulette.map_or(s.roulette, |r| r == Switch::On);
         s.seed = self.seed.unwrap_or(s.seed);
         s.ao_distance = self.ao_distance.or(s.ao_distance);
     }
 
     /// Warnings about options that do nothing for `scene`, over which they have been put.
-    pub(crate) fn needless(&self, scene: &Scene) -> Option<String> {
-        (self.ao_distance.is_some() && scene.settings.integrator != Integrator::Ao)
-            .then(|| "--ao-distance does nothing: the integrator is not ao".to_owned())
+    pub(crate) fn needless(&self, scene: &Scene) -> Vec<String> {
+        let integrator = scene.settings.integrator;
+        let no_ao = self.ao_distance.is_some() && integrator != Integrator::Ao;
+        let reference = self.sampler.is_some() && integrator == Integrator::Reference;
+        [
+            (
+                no_ao,
+                "--ao-distance does nothing: the integrator is not ao",
+            ),
+            (
+                reference,
+                "--sampler does nothing: the integrator reference has numbers of its own",
+            ),
+        ]
+        .into_iter()
+        .filter(|(needless, _)| *needless)
+        .map(|(_, message)| message.to_owned())
+        .collect()
     }
 }
 
@@ -144,14 +164,15 @@ pub(crate) fn as_options(scene: &Scene) -> String {
         v.map_or_else(String::new, |v| v.get_name().to_owned())
     };
     let mut text = format!(
-        "--size {}x{} --spp {} --max-depth {} --integrator {} --strategy {} --roulette {} --seed {} \
-         --filter {}",
+        "--size {}x{} --spp {} --max-depth {} --integrator {} --strategy {} --sampler {} \
+         --roulette {} --seed {} --filter {}",
         scene.film.width,
         scene.film.height,
         s.spp,
         s.max_depth.map_or("none".to_owned(), |d| d.to_string()),
         name(s.integrator.to_possible_value()),
         name(s.strategy.to_possible_value()),
+        name(s.sampler.to_possible_value()),
         if s.roulette { "on" } else { "off" },
         s.seed,
         name(scene.film.filter.to_possible_value()),

@@ -3,7 +3,7 @@
 
 use huygens::film::output::{OutputError, write_atomically};
 use huygens::scene::{Filter, Scene};
-use huygens::settings::{Integrator, Strategy};
+use huygens::settings::{Integrator, Sampler, Strategy};
 use huygens::wave::Dropped;
 use huygens::wave::{RenderStats, StageStats};
 use serde::Serialize;
@@ -58,6 +58,7 @@ struct ImageStats {
 struct SettingsStats {
     integrator: Integrator,
     strategy: Strategy,
+    sampler: Sampler,
     spp: u32,
     max_depth: Option<u32>,
     roulette: bool,
@@ -138,6 +139,7 @@ impl Stats {
             settings: SettingsStats {
                 integrator: s.integrator,
                 strategy: s.strategy,
+                sampler: s.sampler,
                 spp: s.spp,
                 max_depth: s.max_depth,
                 roulette: s.roulette,

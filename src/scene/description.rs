@@ -7,7 +7,7 @@ use super::transform::Transform;
 use super::values::{
     Count, FieldOfView, Finite, Natural, NonNegative, OneOrThree, Pixels, Positive, Unit,
 };
-use crate::settings::{Integrator, Strategy};
+use crate::settings::{Integrator, Sampler, Strategy};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
@@ -76,6 +76,7 @@ impl Default for Film {
 pub(super) struct Settings {
     pub(super) integrator: Option<Integrator>,
     pub(super) strategy: Option<Strategy>,
+    pub(super) sampler: Option<Sampler>,
     pub(super) spp: Option<Count>,
     pub(super) max_depth: Option<Natural>,
     pub(super) roulette: Option<bool>,

@@ -3,10 +3,10 @@
 //! In: the job. Out: paths, appended behind those already under way.
 
 use super::queue::Queue;
+use super::sampling::{AnySampler, with_sampler};
 use crate::film::Job;
 use huygens_kernels::camera::{Lens, Window, camera_rays};
 use huygens_kernels::queues::PathsMut;
-use huygens_kernels::rng::Sampler;
 
 /// A job's camera samples that have not been started yet.
 #[derive(Clone, Copy, Debug)]
@@ -32,17 +32,19 @@ impl Source {
     }
 
     /// Fills the queue up, or as far as there are samples. Returns how many were added.
-    pub(crate) fn refill<S: Sampler>(
+    pub(crate) fn refill(
         &mut self,
         lens: &Lens,
-        sampler: S,
+        sampler: AnySampler,
         paths: &mut Queue<PathsMut<'static>>,
     ) -> usize {
         let n = paths.room().min(self.slots - self.next);
         if n > 0 {
             let at = paths.len();
             let slots = self.next..self.next + n;
-            camera_rays(lens, self.window, slots, sampler, &mut paths.view_mut(), at);
+            with_sampler!(sampler, sampler => camera_rays(
+                lens, self.window, slots, sampler, &mut paths.view_mut(), at
+            ));
             paths.set_len(at + n);
             self.next += n;
         }

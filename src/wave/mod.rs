@@ -13,6 +13,7 @@ mod intersect;
 mod queue;
 mod render;
 mod roulette;
+mod sampling;
 mod scheduler;
 mod setup;
 mod shade;

@@ -4,23 +4,25 @@
 //! by the inverse of their chance; those at the maximum depth marked as on their last ray.
 
 use super::queue::Queue;
+use super::sampling::{AnySampler, with_sampler};
 use huygens_kernels::compact::Kept;
 use huygens_kernels::queues::PathsMut;
-use huygens_kernels::rng::Sampler;
 use huygens_kernels::roulette::{Rules, roulette};
 
 /// Runs the stage. `kept` is scratch space for one entry a vector.
-pub(crate) fn run<S: Sampler>(
+pub(crate) fn run(
     rules: Rules,
-    sampler: S,
+    sampler: AnySampler,
     scattered: &mut Queue<PathsMut<'static>>,
     kept: &mut Vec<Kept>,
     paths: &mut Queue<PathsMut<'static>>,
-    dropped: impl FnMut(u32),
+    mut dropped: impl FnMut(u32),
 ) {
     kept.clear();
     let n = scattered.len();
-    roulette(n, &mut scattered.view_mut(), rules, sampler, kept, dropped);
+    with_sampler!(sampler, sampler => {
+        roulette(n, &mut scattered.view_mut(), rules, sampler, kept, &mut dropped);
+    });
     paths.set_len(0);
     paths.append_kept(scattered, kept);
 }

@@ -1,5 +1,6 @@
 //! What all workers of a render share: the scene as tables, and the stages' settings.
 
+use super::sampling::AnySampler;
 use super::shade::Program;
 use super::sort::Wanted;
 use super::tables::{self, SceneTables};
@@ -7,7 +8,6 @@ use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::settings::Settings;
 use huygens_kernels::camera::Lens;
-use huygens_kernels::rng::Independent;
 use huygens_kernels::roulette::Rules;
 use huygens_kernels::tables::Tables;
 
@@ -17,7 +17,7 @@ pub(crate) struct Setup<'a> {
     pub(crate) tables: Tables<'a>,
     pub(crate) emits: Vec<bool>,
     pub(crate) lens: Lens<'a>,
-    pub(crate) sampler: Independent,
+    pub(crate) sampler: AnySampler,
     pub(crate) program: Program,
     pub(crate) wanted: Wanted,
     pub(crate) rules: Rules,
@@ -59,9 +59,7 @@ impl<'a> Setup<'a> {
                 filter,
                 last_ray: limit == 0,
             },
-            sampler: Independent {
-                seed: settings.seed,
-            },
+            sampler: AnySampler::new(settings),
             program,
             wanted: program.wanted(sky),
             rules: Rules {

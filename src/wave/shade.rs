@@ -7,13 +7,13 @@
 //! choice of kernels, not a branch inside them.
 
 use super::queue::Queue;
+use super::sampling::{AnySampler, with_sampler};
 use super::sort::Wanted;
 use crate::film::SampleBuffer;
 use crate::settings::{Integrator, Strategy};
 use huygens_kernels::emission::{sky_emission, surface_emission};
 use huygens_kernels::look::{Look, look};
 use huygens_kernels::queues::{Listed, PathsMut, ShadowsMut};
-use huygens_kernels::rng::Sampler;
 use huygens_kernels::scatter::{Cosine, LightsAlone, LightsWeighted, NoLights, Out, Uniform};
 use huygens_kernels::scatter::{ambient, scatter};
 use huygens_kernels::tables::Tables;
@@ -126,11 +126,11 @@ pub(crate) struct Sinks<'a> {
 }
 
 /// Scatters the listed paths at their surfaces, into emptied queues.
-pub(crate) fn surface<S: Sampler>(
+pub(crate) fn surface(
     program: Program,
     listed: Listed,
     tables: &Tables,
-    sampler: S,
+    sampler: AnySampler,
     into: Sinks<'_>,
     dropped: impl FnMut(u32),
 ) {
@@ -147,27 +147,28 @@ pub(crate) fn surface<S: Sampler>(
     let (paths, occlusion_rays) = match program {
         Program::Uniform => (
             listed.len,
-            scatter::<Uniform, NoLights, S>(listed, tables, sampler, out),
+            with_sampler!(sampler, s => scatter::<Uniform, NoLights, _>(listed, tables, s, out)),
         ),
         Program::Cosine => (
             listed.len,
-            scatter::<Cosine, NoLights, S>(listed, tables, sampler, out),
+            with_sampler!(sampler, s => scatter::<Cosine, NoLights, _>(listed, tables, s, out)),
         ),
         Program::Light => (
             listed.len,
-            scatter::<Cosine, LightsAlone, S>(listed, tables, sampler, out),
+            with_sampler!(sampler, s => scatter::<Cosine, LightsAlone, _>(listed, tables, s, out)),
         ),
         Program::Mis => (
             listed.len,
-            scatter::<Cosine, LightsWeighted, S>(listed, tables, sampler, out),
+            with_sampler!(sampler, s => scatter::<Cosine, LightsWeighted, _>(listed, tables, s, out)),
         ),
         Program::Ambient { distance, uniform } => {
-            let kernel = if uniform {
-                ambient::<Uniform, S>
+            let shadows = out.shadows;
+            let made = if uniform {
+                with_sampler!(sampler, s => ambient::<Uniform, _>(listed, tables, s, distance, shadows))
             } else {
-                ambient::<Cosine, S>
+                with_sampler!(sampler, s => ambient::<Cosine, _>(listed, tables, s, distance, shadows))
             };
-            (0, kernel(listed, tables, sampler, distance, out.shadows))
+            (0, made)
         }
         Program::Look(what) => {
             look(what, listed, tables, &mut samples.columns(), dropped);

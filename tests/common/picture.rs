@@ -5,7 +5,7 @@ use huygens::film::{Film, Image};
 use huygens::geometry::Geometry;
 use huygens::reference::Reference;
 use huygens::scene::Scene;
-use huygens::settings::Settings;
+use huygens::settings::{Sampler, Settings};
 use huygens::wave::{self, Control, RenderStats};
 use rayon::prelude::*;
 use std::fmt::Write;
@@ -108,7 +108,43 @@ pub(crate) fn render(scene: &Scene, settings: &Settings) -> (Image, RenderStats)
     (film.develop(), stats)
 }
 
-/// A picture through the wave.
+/// The default settings, but with independent samples: the error bars of a film are those of
+/// independent samples.
+pub(crate) fn independent() -> Settings {
+    Settings {
+        sampler: Sampler::Independent,
+        ..Settings::default()
+    }
+}
+
+/// The mean of renders with the seeds `0 .. renders`, whatever their sampler: its error bars are from
+/// how the renders scatter about their mean, which they do independently. Normal quantiles are used
+/// with them, so they are wider by what Student's distribution exceeds a normal one by, to first
+/// order, at `z` standard errors.
+pub(crate) fn over_seeds(scene: &Scene, settings: &Settings, renders: u32, z: f64) -> Picture {
+    let mut pixels = vec![[Running::new(); 3]; (scene.film.width * scene.film.height) as usize];
+    for seed in 0..renders {
+        let settings = Settings {
+            seed,
+            ..settings.clone()
+        };
+        let image = render(scene, &settings).0;
+        for (pixel, mean) in pixels.iter_mut().zip(image.mean) {
+            (0..3).for_each(|c| pixel[c].push(mean[c].into()));
+        }
+    }
+    let student = 1.0 + (z * z + 1.0) / (4.0 * f64::from(renders - 1));
+    let bars = |pixel: &Running| Mean::from(pixel).variance * student * student;
+    Picture {
+        width: scene.film.width as usize,
+        height: scene.film.height as usize,
+        mean: pixels.iter().map(|p| p.map(|c| c.mean())).collect(),
+        variance: pixels.iter().map(|p| p.each_ref().map(bars)).collect(),
+        skewness: vec![[0.0; 3]; pixels.len()],
+    }
+}
+
+/// A picture through the wave, of independent samples.
 pub(crate) fn by_wave(scene: &Scene, settings: &Settings) -> Picture {
     let image = render(scene, settings).0;
     Picture {

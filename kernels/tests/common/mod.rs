@@ -79,6 +79,22 @@ pub(crate) fn p_value(observed: &[u64], expected: &[f64]) -> f64 {
         .sf(statistic)
 }
 
+/// Jarzynski and Olano (2020), listing of `pcg4d`, one lane.
+pub(crate) fn pcg4d_twin([x, y, z, w]: [u32; 4]) -> [u32; 4] {
+    let start = |e: u32| e.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+    let mut v = [x, y, z, w].map(start);
+    let multiply = |v: &mut [u32; 4]| {
+        v[0] = v[0].wrapping_add(v[1].wrapping_mul(v[3]));
+        v[1] = v[1].wrapping_add(v[2].wrapping_mul(v[0]));
+        v[2] = v[2].wrapping_add(v[0].wrapping_mul(v[1]));
+        v[3] = v[3].wrapping_add(v[1].wrapping_mul(v[2]));
+    };
+    multiply(&mut v);
+    v = v.map(|e| e ^ (e >> 16));
+    multiply(&mut v);
+    v
+}
+
 /// A generator of its own for the inputs of tests (SplitMix64; Steele, Lea, Flood, OOPSLA 2014).
 pub(crate) struct Source(pub(crate) u64);
 
