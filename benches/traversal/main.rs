@@ -14,7 +14,7 @@ mod rays;
 use huygens::geometry::Geometry;
 use huygens::scene::Mesh;
 use huygens_kernels::few::Triangle;
-use huygens_kernels::{few, flight, traverse};
+use huygens_kernels::{few, flight, packet, traverse};
 use rays::{Answers, RayBuffer};
 
 /// Rays in a call.
@@ -72,6 +72,10 @@ fn measure(name: &str, mesh: &Mesh) {
         (
             "32",
             Box::new(|r, a, i, n| flight::closest::<32>(bvh, r.rays(i, n), a.hits(i, n))),
+        ),
+        (
+            "packet",
+            Box::new(|r, a, i, n| packet::closest::<32>(bvh, r.rays(i, n), a.hits(i, n))),
         ),
     ];
     let mut occluded: Vec<(&str, Box<Run>)> = vec![
