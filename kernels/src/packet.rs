@@ -34,6 +34,11 @@ use std::ops::Range;
 /// The most that two slopes of a packet may differ by, along either axis. Rays farther apart share
 /// too little of their way; an image 1000 pixels wide has some 0.001 to 0.002 a pixel.
 const SPREAD: f32 = 0.125;
+/// Rays that must enter a leaf on average for a packet to pay.
+const ENOUGH_LANES: u32 = 3;
+/// Groups of eight rays that are not tried after a packet that did not pay: at first, and at most.
+const SHORT_WAIT: u32 = 4;
+const LONG_WAIT: u32 = 128;
 /// As many rays or more outside packets, in a row, are taken in flight; fewer one at a time.
 const FLIGHT: usize = 32;
 /// Most nodes of a tree whose children's places a `u32` can number.
@@ -52,14 +57,57 @@ pub fn closest<const N: usize>(bvh: Bvh, rays: Rays, mut hits: Hits) {
     } else {
         0
     };
+    let mut pace = Pace::default();
     for i in (0..whole).step_by(LANES) {
+        if !pace.try_packet() {
+            continue;
+        }
         if let Some(packet) = Packet::load(&rays, i) {
             apart::<N>(bvh, &rays, &mut hits, answered..i);
-            packet.walk(bvh, &mut stack).store(&packet, &mut hits, i);
+            let (found, lanes) = packet.walk(bvh, &mut stack);
+            found.store(&packet, &mut hits, i);
+            pace.learn(lanes);
             answered = i + LANES;
         }
     }
     apart::<N>(bvh, &rays, &mut hits, answered..rays.len);
+}
+
+/// Whether packets pay: where a pixel covers many triangles, its rays part ways however alike their
+/// directions are, and most lanes of a packet idle in most leaves.
+#[derive(Default)]
+struct Pace {
+    /// Groups of rays to leave to flight before the next packet is tried.
+    wait: u32,
+    /// How many to leave next time.
+    next: u32,
+}
+
+impl Pace {
+    #[inline(always)]
+    fn try_packet(&mut self) -> bool {
+        let go = self.wait == 0;
+        self.wait -= u32::from(!go);
+        go
+    }
+
+    /// Waits, and twice as long each time in a row, after a packet that did not pay.
+    #[inline(always)]
+    fn learn(&mut self, lanes: UseOfLanes) {
+        if lanes.inside < ENOUGH_LANES * lanes.leaves {
+            self.wait = self.next.clamp(SHORT_WAIT, LONG_WAIT);
+            self.next = 2 * self.wait;
+        } else {
+            self.next = 0;
+        }
+    }
+}
+
+/// Leaves that a packet came to, and rays that entered them.
+#[derive(Clone, Copy, Default)]
+struct UseOfLanes {
+    leaves: u32,
+    inside: u32,
 }
 
 /// Rays that make no packet.
@@ -170,13 +218,14 @@ impl Packet {
         })
     }
 
-    fn walk(&self, bvh: Bvh, stack: &mut Stack) -> Found {
+    fn walk(&self, bvh: Bvh, stack: &mut Stack) -> (Found, UseOfLanes) {
         let mut found = Found {
             t: Fx::splat(f32::MAX),
             u: Fx::ZERO,
             v: Fx::ZERO,
             primitive: Ux::splat(NO_PRIMITIVE),
         };
+        let mut lanes = UseOfLanes::default();
         let mut limit = f32::INFINITY;
         let mut node = 0;
         stack.clear();
@@ -188,7 +237,7 @@ impl Packet {
             node = loop {
                 let place = stack.pop::<ClosestHit>(limit);
                 if place == NOTHING {
-                    return found;
+                    return (found, lanes);
                 }
                 let (parent, slot) = (&bvh.nodes[place as usize / WIDTH], place as usize % WIDTH);
                 let child = parent.child.as_array()[slot];
@@ -196,6 +245,8 @@ impl Packet {
                     break index(child);
                 }
                 let inside = self.enters(parent, slot, found.limit());
+                lanes.leaves += 1;
+                lanes.inside += inside.to_bitmask().count_ones();
                 if inside.any() {
                     self.visit(&mut found, &bvh.blocks[index(child)], inside);
                     limit = greatest(found.limit());
