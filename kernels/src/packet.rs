@@ -34,11 +34,11 @@ use std::ops::Range;
 /// The most that two slopes of a packet may differ by, along either axis. Rays farther apart share
 /// too little of their way; an image 1000 pixels wide has some 0.001 to 0.002 a pixel.
 const SPREAD: f32 = 0.125;
-/// Rays that must enter a leaf on average for a packet to pay.
+/// Twice the rays that must enter a leaf on average for a packet to pay.
 const ENOUGH_LANES: u32 = 3;
 /// Groups of eight rays that are not tried after a packet that did not pay: at first, and at most.
-const SHORT_WAIT: u32 = 4;
-const LONG_WAIT: u32 = 128;
+const SHORT_WAIT: u32 = 16;
+const LONG_WAIT: u32 = 64;
 /// As many rays or more outside packets, in a row, are taken in flight; fewer one at a time.
 const FLIGHT: usize = 32;
 /// Most nodes of a tree whose children's places a `u32` can number.
@@ -77,6 +77,8 @@ pub fn closest<const N: usize>(bvh: Bvh, rays: Rays, mut hits: Hits) {
 /// directions are, and most lanes of a packet idle in most leaves.
 #[derive(Default)]
 struct Pace {
+    /// Of the last packets, the older the less.
+    recent: UseOfLanes,
     /// Groups of rays to leave to flight before the next packet is tried.
     wait: u32,
     /// How many to leave next time.
@@ -91,14 +93,20 @@ impl Pace {
         go
     }
 
-    /// Waits, and twice as long each time in a row, after a packet that did not pay.
+    /// Waits after packets that did not pay, and twice as long each time in a row.
     #[inline(always)]
     fn learn(&mut self, lanes: UseOfLanes) {
-        if lanes.inside < ENOUGH_LANES * lanes.leaves {
+        let recent = &mut self.recent;
+        recent.leaves += lanes.leaves;
+        recent.inside += lanes.inside;
+        if 2 * recent.inside < ENOUGH_LANES * recent.leaves {
             self.wait = self.next.clamp(SHORT_WAIT, LONG_WAIT);
             self.next = 2 * self.wait;
+            *recent = UseOfLanes::default();
         } else {
             self.next = 0;
+            recent.leaves -= recent.leaves / 4;
+            recent.inside -= recent.inside / 4;
         }
     }
 }
@@ -411,4 +419,51 @@ fn fold(x: Fx, of: impl Fn(Fx, Fx) -> Fx) -> f32 {
     let x = across(x, [4, 5, 6, 7, 0, 1, 2, 3]);
     let x = across(x, [2, 3, 0, 1, 6, 7, 4, 5]);
     across(x, [1, 0, 3, 2, 5, 4, 7, 6]).as_array()[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether eight rays along `direction(lane)` from one point make a packet.
+    fn together(direction: impl Fn(usize) -> [f32; 3]) -> bool {
+        let column = |axis: usize| -> [f32; LANES] { std::array::from_fn(|l| direction(l)[axis]) };
+        let columns = [column(0), column(1), column(2)];
+        let (zeros, leaves) = ([0.0; LANES], [NO_PRIMITIVE; LANES]);
+        let rays = Rays {
+            len: LANES,
+            origin: [&zeros; 3],
+            direction: columns.each_ref().map(<[f32; LANES]>::as_slice),
+            leaves: &leaves,
+        };
+        Packet::load(&rays, 0).is_some()
+    }
+
+    #[test]
+    fn rays_that_go_the_same_way_make_a_packet() {
+        let x = |lane: usize| 0.1 + 0.01 * lane as f32;
+        assert!(together(|l| [x(l), -0.5, 1.0]));
+        assert!(together(|l| [-1e30, 1e29 * x(l), 3e29]));
+        assert!(together(|l| [1e-30, 1e-31 * x(l), -2e-31]));
+    }
+
+    #[test]
+    fn others_do_not() {
+        let odd = |l: usize, usual: [f32; 3], other: [f32; 3]| if l == 5 { other } else { usual };
+        for other in [
+            [0.1, 0.2, -1.0],
+            [-0.1, 0.2, 1.0],
+            [1.0, 0.2, 0.9],
+            [0.5, 0.2, 1.0],
+            [0.0, 0.2, 1.0],
+            [1e-39, 0.2, 1.0],
+            [f32::NAN, 0.2, 1.0],
+            [0.1, f32::INFINITY, 1.0],
+            [0.0; 3],
+        ] {
+            assert!(!together(|l| odd(l, [0.1, 0.2, 1.0], other)), "{other:?}");
+        }
+        assert!(!together(|_| [0.0; 3]));
+        assert!(!together(|_| [1e-40, 1e-41, 1e-41]));
+    }
 }
