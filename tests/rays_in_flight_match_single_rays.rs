@@ -8,7 +8,7 @@ use huygens_kernels::bvh::Bvh;
 use huygens_kernels::few::Triangle;
 use huygens_kernels::lanes::padded;
 use huygens_kernels::rays::{Hits, NO_PRIMITIVE, Rays, Segments};
-use huygens_kernels::{few, flight, traverse};
+use huygens_kernels::{few, flight, packet, traverse};
 use tracing::{Random, RaySet, bumpy_sphere, cube, random_soup};
 
 /// Hits and occlusion as bits, every column that is not unspecified.
@@ -83,6 +83,14 @@ fn together<const N: usize>(bvh: Bvh, rays: &RaySet) -> Answers {
     )
 }
 
+fn packets(bvh: Bvh, rays: &RaySet) -> Answers {
+    answers(
+        rays,
+        |r, h| packet::closest::<32>(bvh, r, h),
+        |s, o| traverse::occluded(bvh, s, o),
+    )
+}
+
 fn random_rays(triangles: usize, n: usize) -> RaySet {
     let mut random = Random(51);
     let mut rays = RaySet::default();
@@ -111,6 +119,7 @@ fn on_meshes_of_all_kinds() {
         assert!(expected == together::<8>(bvh, &rays));
         assert!(expected == together::<32>(bvh, &rays));
         assert!(expected == together::<64>(bvh, &rays));
+        assert!(expected == packets(bvh, &rays));
     }
 }
 
@@ -122,7 +131,82 @@ fn for_any_number_of_rays() {
         let rays = random_rays(mesh.triangles(), n);
         let bvh = geometry.bvh();
         assert!(alone(bvh, &rays) == together::<32>(bvh, &rays), "{n} rays");
+        let rays = truncated(bundles(mesh.triangles(), n.div_ceil(20), 0.01), n);
+        assert!(
+            alone(bvh, &rays) == packets(bvh, &rays),
+            "{n} rays in packets"
+        );
     }
+}
+
+/// The first `n` rays.
+fn truncated(mut rays: RaySet, n: usize) -> RaySet {
+    rays.origin.truncate(n);
+    rays.direction.truncate(n);
+    rays
+}
+
+/// Rays in bundles of 20, each about one direction: `width` wide, from within `width` of a point.
+fn bundles(triangles: usize, bundles: usize, width: f32) -> RaySet {
+    let mut random = Random(52);
+    let mut rays = RaySet::default();
+    for _ in 0..bundles {
+        let (at, towards) = (random.point().map(|p| 1.2 * p), random.point());
+        // Of any length: also one whose distances f32 cannot hold in its unit.
+        let length = 10f32.powf(40.0 * random.signed()).clamp(1e-36, 1e36);
+        let pinhole = random.unit() < 0.5;
+        for _ in 0..20 {
+            let (a, b) = (random.point(), random.point());
+            let spread = if pinhole { 0.0 } else { width };
+            rays.push(
+                std::array::from_fn(|k| at[k] + spread * a[k]),
+                std::array::from_fn(|k| length * (towards[k] + width * b[k])),
+            );
+            *rays.leaves.last_mut().unwrap() = random.below(triangles) as u32;
+        }
+    }
+    rays
+}
+
+#[test]
+fn in_packets_of_rays_that_go_the_same_way() {
+    for mesh in [cube(), random_soup(5000, 21), bumpy_sphere(4, 0.1)] {
+        let geometry = Geometry::build(&mesh);
+        for width in [0.0, 1e-6, 1e-3, 0.03, 0.2] {
+            let rays = bundles(mesh.triangles(), 400, width);
+            let expected = alone(geometry.bvh(), &rays);
+            assert!(expected.iter().filter(|e| e.0 != NO_PRIMITIVE).count() > 800);
+            assert!(expected == packets(geometry.bvh(), &rays), "width {width}");
+        }
+    }
+}
+
+#[test]
+fn in_packets_where_triangles_tie() {
+    // Every triangle three times, and rays at vertices and along edges, where more than one is met
+    // at one distance.
+    let mut sphere = bumpy_sphere(3, 0.1);
+    let thrice = sphere.indices.repeat(3);
+    sphere.material = vec![0; thrice.len()];
+    sphere.indices = thrice;
+    let geometry = Geometry::build(&sphere);
+    let mut random = Random(53);
+    let mut rays = RaySet::default();
+    for _ in 0..500 {
+        let corners = sphere.corners(random.below(sphere.triangles()));
+        let origin = random.point().map(|p| 0.2 * p);
+        for i in 0..24 {
+            let s = if i % 3 == 0 { 0.0 } else { random.unit() };
+            let to = |k: usize| corners[0][k] + s * (corners[1][k] - corners[0][k]);
+            rays.push(origin, std::array::from_fn(|k| to(k) - origin[k]));
+        }
+    }
+    let expected = alone(geometry.bvh(), &rays);
+    assert!(
+        expected.iter().all(|e| e.0 < 1280),
+        "the first of three, always"
+    );
+    assert!(expected == packets(geometry.bvh(), &rays));
 }
 
 /// All triangles, as the kernel for few of them takes them.
@@ -165,4 +249,5 @@ fn in_an_empty_scene() {
     let hits = together::<32>(geometry.bvh(), &rays);
     assert!(hits.iter().all(|h| *h == (NO_PRIMITIVE, 0, 0, 0, 0)));
     assert!(hits == alone(geometry.bvh(), &rays));
+    assert!(hits == packets(geometry.bvh(), &rays));
 }

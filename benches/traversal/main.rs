@@ -14,7 +14,7 @@ mod rays;
 use huygens::geometry::Geometry;
 use huygens::scene::Mesh;
 use huygens_kernels::few::Triangle;
-use huygens_kernels::{few, flight, traverse};
+use huygens_kernels::{few, flight, packet, traverse};
 use rays::{Answers, RayBuffer};
 
 /// Rays in a call.
@@ -49,7 +49,9 @@ fn measure(name: &str, mesh: &Mesh) {
         geometry.sah_cost(),
         geometry.triangles() as f64 / geometry.blocks() as f64,
     );
-    let camera = rays::camera(mesh, 256);
+    let camera = rays::camera(mesh, 256, 1.0);
+    // 16 samples a pixel, some of the pixels of an image of 1024 by 1024.
+    let spp16 = rays::camera(mesh, 256, 16.0);
     let b1 = rays::diffuse(mesh, &camera, &trace(&geometry, &camera), 1);
     let b2 = rays::diffuse(mesh, &b1, &trace(&geometry, &b1), 2);
     let sh1 = rays::shadow(mesh, &camera, &trace(&geometry, &camera), 3);
@@ -72,6 +74,10 @@ fn measure(name: &str, mesh: &Mesh) {
         (
             "32",
             Box::new(|r, a, i, n| flight::closest::<32>(bvh, r.rays(i, n), a.hits(i, n))),
+        ),
+        (
+            "packet",
+            Box::new(|r, a, i, n| packet::closest::<32>(bvh, r.rays(i, n), a.hits(i, n))),
         ),
     ];
     let mut occluded: Vec<(&str, Box<Run>)> = vec![
@@ -99,7 +105,12 @@ fn measure(name: &str, mesh: &Mesh) {
             Box::new(|r, a, i, n| few::occluded(all, r.segments(i, n), a.occluded(i, n))),
         ));
     }
-    for (kind, set) in [("camera", &camera), ("b1", &b1), ("b2", &b2)] {
+    for (kind, set) in [
+        ("camera", &camera),
+        ("16 spp", &spp16),
+        ("b1", &b1),
+        ("b2", &b2),
+    ] {
         report(kind, set, &closest);
     }
     report("sh1", &sh1, &occluded);

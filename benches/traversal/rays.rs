@@ -120,9 +120,10 @@ fn bounds(mesh: &Mesh) -> [[f32; 3]; 2] {
     [fold(f32::min, f32::MAX), fold(f32::max, f32::MIN)]
 }
 
-/// `side * side` jittered camera rays in tiles of 4 by 4 pixels, from inside the mesh's box, at a
-/// tenth of its length from one end, along it.
-pub(crate) fn camera(mesh: &Mesh, side: usize) -> RayBuffer {
+/// `side * side` jittered camera rays in tiles of 4 by 4, from inside the mesh's box, at a tenth of
+/// its length from one end, along it. A tile is 4 by 4 pixels of an image of `side * side`, or,
+/// where rays are drawn together by `closeness`, a pixel with 16 samples of a finer one.
+pub(crate) fn camera(mesh: &Mesh, side: usize, closeness: f32) -> RayBuffer {
     let [low, high] = bounds(mesh);
     let long = (0..3).fold(0, |l, a| {
         if high[a] - low[a] > high[l] - low[l] {
@@ -145,7 +146,11 @@ pub(crate) fn camera(mesh: &Mesh, side: usize) -> RayBuffer {
             tile % (side / 4) * 4 + within % 4,
             tile / (side / 4) * 4 + within / 4,
         );
-        let mut at = |p: usize| 1.4 * ((p as f32 + random.unit()) / side as f32 - 0.5);
+        let mut at = |p: usize| {
+            let within = (p % 4) as f32 + random.unit();
+            let p = (p / 4 * 4) as f32 + within / closeness;
+            1.4 * (p / side as f32 - 0.5)
+        };
         let (sx, sy) = (at(x), at(y));
         let d = std::array::from_fn(|a| forward[a] + sx * right[a] - sy * up[a]);
         rays.push(eye, normalize(d), f32::INFINITY, NO_PRIMITIVE);

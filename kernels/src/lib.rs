@@ -24,6 +24,7 @@ pub mod look;
 pub mod math;
 pub mod mis;
 pub mod order;
+pub mod packet;
 pub mod query;
 pub mod queues;
 pub mod rays;

@@ -48,16 +48,22 @@ impl Stack {
     /// if the query wants its children ordered, else from the lowest slot up.
     #[inline(always)]
     pub fn push<Q: Query>(&mut self, node: &Node, hits: Mask, enter: Fx) {
+        self.push_references::<Q>(node.child, hits, enter);
+    }
+
+    /// As [`Stack::push`], with what to call the children: anything below [`NOTHING`].
+    #[inline(always)]
+    pub fn push_references<Q: Query>(&mut self, children: Ux, hits: Mask, enter: Fx) {
         let end = self.len + WIDTH;
         let mask = hits.to_bitmask();
         if Q::ORDERED {
             let order = descending(hits, enter);
-            let child = node.child.shuffle_wrapping(order);
+            let child = children.shuffle_wrapping(order);
             let enter = as_bits(enter).shuffle_wrapping(order);
             self.child[self.len..end].copy_from_slice(child.as_array());
             self.enter[self.len..end].copy_from_slice(bytemuck::cast_ref::<_, [f32; 8]>(&enter));
         } else {
-            let child = node.child.shuffle_wrapping(compacting(mask));
+            let child = children.shuffle_wrapping(compacting(mask));
             self.child[self.len..end].copy_from_slice(child.as_array());
         }
         self.len += mask.count_ones() as usize;

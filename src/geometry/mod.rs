@@ -15,7 +15,7 @@ use collapse::Collapse;
 use huygens_kernels::bvh::{Block, Bvh, Node};
 use huygens_kernels::few::Triangle;
 use huygens_kernels::rays::{Hits, Rays, Segments};
-use huygens_kernels::{few, flight};
+use huygens_kernels::{few, flight, packet};
 use layout::Layout;
 
 /// Rays under way together: see `docs/performance.md`.
@@ -61,7 +61,7 @@ impl Geometry {
     /// Closest hit of each ray.
     pub fn closest(&self, rays: Rays, hits: Hits) {
         if self.few.is_empty() {
-            flight::closest::<IN_FLIGHT>(self.bvh(), rays, hits);
+            packet::closest::<IN_FLIGHT>(self.bvh(), rays, hits);
         } else {
             few::closest(&self.few, rays, hits);
         }
