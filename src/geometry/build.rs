@@ -2,8 +2,9 @@
 //! takes badly placed subtrees out and puts them where they cost least (D. Meister, J. Bittner,
 //! "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", CGF 37(2), 2018).
 
-use super::ploc;
+use super::{ploc, sbvh};
 use crate::scene::Mesh;
+use crate::settings::Preset;
 use glam::Vec3A;
 use obvhs::{
     aabb::Aabb,
@@ -28,7 +29,15 @@ pub(super) struct Binary {
 
 impl Binary {
     /// The tree over all triangles of `mesh` that are finite.
-    pub(super) fn build(mesh: &Mesh) -> Self {
+    pub(super) fn build(mesh: &Mesh, preset: Preset) -> Self {
+        if preset == Preset::Best {
+            let kept: Vec<u32> = (0..mesh.triangles() as u32)
+                .filter(|&i| is_finite(&bounds(mesh, i as usize)))
+                .collect();
+            let nodes = sbvh::build(mesh, &kept);
+            let nodes = if std::env::var("NOREINS").is_ok() { nodes } else { reinsert(nodes) };
+            return Self { nodes };
+        }
         let boxes: Vec<Aabb> = (0..mesh.triangles())
             .into_par_iter()
             .map(|i| bounds(mesh, i))
@@ -46,7 +55,7 @@ impl Binary {
         let largest = nodes.first().map_or(0.0, |root| {
             root.aabb.min.abs().max(root.aabb.max.abs()).max_element()
         });
-        if largest < HUGE && depth(&nodes) < DEEP {
+        if preset != Preset::Fast && largest < HUGE && depth(&nodes) < DEEP {
             nodes = reinsert(nodes);
         }
         Self { nodes }

@@ -7,8 +7,10 @@ mod build;
 mod collapse;
 mod layout;
 mod ploc;
+mod sbvh;
 
 use crate::scene::Mesh;
+pub use crate::settings::Preset;
 use build::Binary;
 use collapse::Collapse;
 use huygens_kernels::bvh::{Block, Bvh, Node};
@@ -24,8 +26,18 @@ pub struct Geometry {
 }
 
 impl Geometry {
+    /// Builds over all triangles of `mesh` with the default preset: see [`Geometry::build_with`].
+    ///
+    /// # Panics
+    /// As [`Geometry::build_with`].
+    #[must_use]
+    pub fn build(mesh: &Mesh) -> Self {
+        Self::build_with(mesh, Preset::default())
+    }
+
     /// Builds over all triangles of `mesh`, deterministically, on the current rayon pool: the
-    /// tables are the same, byte for byte, for any number of threads.
+    /// tables are the same, byte for byte, for any number of threads. What rays meet does not
+    /// depend on the preset.
     ///
     /// Triangles with a corner that is not finite are left out. Any other input builds in
     /// O(n log n), and [`Geometry::depth`] has a bound.
@@ -33,8 +45,8 @@ impl Geometry {
     /// # Panics
     /// On a vertex index outside the mesh, and on more than about 2^29 triangles.
     #[must_use]
-    pub fn build(mesh: &Mesh) -> Self {
-        let mut tree = Binary::build(mesh);
+    pub fn build_with(mesh: &Mesh, preset: Preset) -> Self {
+        let mut tree = Binary::build(mesh, preset);
         if tree.nodes.is_empty() {
             return Self::default();
         }
