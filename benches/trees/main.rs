@@ -125,7 +125,11 @@ fn bounces(mesh: &Mesh, geometry: &Geometry) -> [RaySet; 2] {
                 p[(k + 1) % 3] * q[(k + 2) % 3] - p[(k + 2) % 3] * q[(k + 1) % 3]
             });
             let length = dot(n, n).sqrt();
-            let side = if dot(n, rays.direction[i]) > 0.0 { -1.0 } else { 1.0 };
+            let side = if dot(n, rays.direction[i]) > 0.0 {
+                -1.0
+            } else {
+                1.0
+            };
             // A uniform unit vector added to the normal: cosine distributed.
             let d = direction(&mut random);
             let d = std::array::from_fn(|k| d[k] + side * n[k] / length);

@@ -35,7 +35,11 @@ impl Binary {
                 .filter(|&i| is_finite(&bounds(mesh, i as usize)))
                 .collect();
             let nodes = sbvh::build(mesh, &kept);
-            let nodes = if std::env::var("NOREINS").is_ok() { nodes } else { reinsert(nodes) };
+            let nodes = if std::env::var("NOREINS").is_ok() {
+                nodes
+            } else {
+                reinsert(nodes)
+            };
             return Self { nodes };
         }
         let boxes: Vec<Aabb> = (0..mesh.triangles())

@@ -28,7 +28,8 @@ fn push_box(mesh: &mut Mesh, centre: [f32; 3], half: [f32; 3], angles: [f32; 2])
     ];
     for q in quads {
         let q = q.map(|i| n + i);
-        mesh.indices.extend([[q[0], q[1], q[2]], [q[0], q[2], q[3]]]);
+        mesh.indices
+            .extend([[q[0], q[1], q[2]], [q[0], q[2], q[3]]]);
     }
 }
 

@@ -31,11 +31,7 @@ impl<'a> Halves<'a> {
     fn push(&mut self, upper: bool, reference: Reference) {
         let half = usize::from(upper);
         let [low, high] = self.counts;
-        let at = if upper {
-            self.to.len() - 1 - high
-        } else {
-            low
-        };
+        let at = if upper { self.to.len() - 1 - high } else { low };
         self.to[at] = reference;
         self.counts[half] += 1;
         let bounds = reference.bounds();

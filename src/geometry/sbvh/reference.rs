@@ -111,3 +111,101 @@ impl Cutter {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// In `[-1, 1)`.
+    fn signed(state: &mut u64) -> f32 {
+        *state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(99);
+        ((*state >> 40) as f32) / 8_388_608.0 - 1.0
+    }
+
+    fn mesh(corners: [[f32; 3]; 3]) -> Mesh {
+        Mesh {
+            vertices: corners.to_vec(),
+            indices: vec![[0, 1, 2]],
+            material: vec![0],
+        }
+    }
+
+    /// Needles, slivers and others, of sizes from 1e-3 to 1e3, up to 1e4 from the origin.
+    fn triangle(state: &mut u64) -> [[f32; 3]; 3] {
+        let size = 10f32.powf(3.0 * signed(state));
+        let at = [(); 3].map(|()| 1e4 * signed(state).powi(3));
+        let stretch = [(); 3].map(|()| signed(state).powi(4));
+        [(); 3].map(|()| std::array::from_fn(|a| at[a] + size * stretch[a] * signed(state)))
+    }
+
+    /// What the header promises, after up to twelve cuts: around every point of the triangle, all of
+    /// the whole box within `10u` of the extent lies in one of the pieces.
+    #[test]
+    fn pieces_cover_the_triangle_and_what_the_triangle_test_may_add() {
+        let state = &mut 1u64;
+        for _ in 0..400 {
+            let corners = triangle(state);
+            let cutter = Cutter::new(&mesh(corners), 0);
+            let [a, b, c] = corners.map(Bounds::point);
+            let whole = a.union(b).union(c);
+            let mut pieces = vec![whole];
+            for _ in 0..12 {
+                // Some piece, along some axis, where something of it is.
+                let at =
+                    ((signed(state).abs() * pieces.len() as f32) as usize).min(pieces.len() - 1);
+                let piece = pieces.swap_remove(at);
+                let axis = (signed(state).abs() * 3.0) as usize % 3;
+                let (low, high) = (piece.min().to_array()[axis], piece.max().to_array()[axis]);
+                let plane = low + (high - low) * signed(state).abs();
+                let halves = cutter.cut(piece, axis, plane);
+                pieces.extend(halves.into_iter().filter(|half| !half.is_empty()));
+            }
+            let (low, high) = (whole.min().to_array(), whole.max().to_array());
+            let extent = (0..3).map(|k| f64::from(high[k]) - f64::from(low[k]));
+            let reach = extent.fold(0.0, f64::max) * 10.0 / 16_777_216.0;
+            for _ in 0..100 {
+                let (mut u, mut v) = (signed(state).abs(), signed(state).abs());
+                if u + v > 1.0 {
+                    (u, v) = (1.0 - u, 1.0 - v);
+                }
+                let [u, v] = [u, v].map(f64::from);
+                let corner = |i: usize, k: usize| f64::from(corners[i][k]);
+                let p: [f64; 3] = std::array::from_fn(|k| {
+                    (1.0 - u - v) * corner(0, k) + u * corner(1, k) + v * corner(2, k)
+                });
+                let holds = |piece: &Bounds| {
+                    let (from, to) = (piece.min().to_array(), piece.max().to_array());
+                    (0..3).all(|k| {
+                        f64::from(from[k]) <= (p[k] - reach).max(low[k].into())
+                            && f64::from(to[k]) >= (p[k] + reach).min(high[k].into())
+                    })
+                };
+                assert!(pieces.iter().any(holds), "{corners:?} at {p:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn cuts_are_tight() {
+        // The diagonal of a square, cut at a quarter: what is below is a quarter wide and high.
+        let mesh = mesh([[0.0; 3], [1.0, 1.0, 0.0], [1.0, 1.0, 0.0]]);
+        let cutter = Cutter::new(&mesh, 0);
+        let whole = Bounds::point([0.0; 3]).union(Bounds::point([1.0, 1.0, 0.0]));
+        let [below, above] = cutter.cut(whole, 0, 0.25);
+        let two_slacks = 2.0 * SLACK;
+        assert!((below.max().to_array()[1] - 0.25).abs() < two_slacks);
+        assert!((above.min().to_array()[1] - 0.25).abs() < two_slacks);
+        assert_eq!(below.max().to_array()[2], 0.0, "and never beyond the whole");
+        let [_, nothing] = cutter.cut(below, 0, 0.75);
+        assert!(nothing.is_empty());
+    }
+
+    #[test]
+    fn a_reference_keeps_its_triangle() {
+        let reference = Reference::new(Bounds::point([1.0, 2.0, 3.0]), u32::MAX - 1);
+        assert_eq!(reference.triangle(), u32::MAX - 1);
+        assert_eq!(reference.bounds().extent().to_array()[..3], [0.0; 3]);
+    }
+}

@@ -113,7 +113,10 @@ impl Bins {
             put(&mut bins, chunk);
             bins
         });
-        parts.reduce(|| Box::new(Self::EMPTY), Self::merge).as_ref().clone()
+        parts
+            .reduce(|| Box::new(Self::EMPTY), Self::merge)
+            .as_ref()
+            .clone()
     }
 
     fn merge(mut a: Box<Self>, b: Box<Self>) -> Box<Self> {
