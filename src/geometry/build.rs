@@ -1,6 +1,7 @@
-//! From triangles to a binary tree: boxes, clustering (`ploc.rs`), then obvhs' reinsertion, which
-//! takes badly placed subtrees out and puts them where they cost least (D. Meister, J. Bittner,
-//! "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", CGF 37(2), 2018).
+//! From triangles to binary trees: boxes, clustering (`ploc.rs`) or splitting (`sbvh/`), then obvhs'
+//! reinsertion, which takes badly placed subtrees out and puts them where they cost least
+//! (D. Meister, J. Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", CGF
+//! 37(2), 2018).
 
 use super::{ploc, sbvh};
 use crate::scene::Mesh;
@@ -12,69 +13,84 @@ use obvhs::{
 };
 use rayon::prelude::*;
 
-/// Share of the nodes that one pass of reinsertion considers: obvhs' preset `medium`.
-const REINSERTED: f32 = 0.05;
+/// Share of the nodes that one pass of reinsertion considers.
+fn reinserted(preset: Preset) -> f32 {
+    match preset {
+        Preset::Fast => 0.0,
+        // obvhs' preset `medium`.
+        Preset::Balanced => 0.05,
+        // Its preset `slow`.
+        Preset::Best => 0.2,
+    }
+}
+
 /// Reinsertion walks the tree with a stack of 192 entries that panics when it is full. Trees start
 /// at 30 to 60 levels for millions of triangles and hardly grow; one that is this deep already
 /// comes from boxes that reinsertion could not improve.
 const DEEP: usize = 96;
-/// Areas of boxes beyond this size overflow, and reinsertion cannot sort a NaN.
+/// Areas of boxes beyond this size overflow, and neither reinsertion nor splitting can do with a
+/// NaN.
 const HUGE: f32 = 1e18;
 
 /// A binary tree with one triangle a leaf. Node 0 is the root; children lie side by side; a leaf's
-/// `first_index` is its triangle.
+/// `first_index` is its triangle. Boxes of inner nodes are tight around their children's.
 pub(super) struct Binary {
     pub(super) nodes: Vec<Bvh2Node>,
+    /// Whether a triangle may be in more than one leaf.
+    pub(super) repeats: bool,
 }
 
 impl Binary {
-    /// The tree over all triangles of `mesh` that are finite.
-    pub(super) fn build(mesh: &Mesh, preset: Preset) -> Self {
-        if preset == Preset::Best {
-            let kept: Vec<u32> = (0..mesh.triangles() as u32)
-                .filter(|&i| is_finite(&bounds(mesh, i as usize)))
-                .collect();
-            let nodes = sbvh::build(mesh, &kept);
-            let nodes = if std::env::var("NOREINS").is_ok() {
-                nodes
-            } else {
-                reinsert(nodes)
-            };
-            return Self { nodes };
-        }
+    /// The trees that `preset` chooses from, over all triangles of `mesh` that are finite; none if
+    /// there are no such triangles.
+    pub(super) fn candidates(mesh: &Mesh, preset: Preset) -> Vec<Self> {
         let boxes: Vec<Aabb> = (0..mesh.triangles())
             .into_par_iter()
             .map(|i| bounds(mesh, i))
             .collect();
         // A scene promises finite vertices. Should one slip through, its triangles are left out
         // rather than let spoil every comparison of areas.
-        let bad: Vec<u32> = (0..boxes.len() as u32)
-            .filter(|&i| !is_finite(&boxes[i as usize]))
-            .collect();
-        let mut nodes = if bad.is_empty() {
-            ploc::build(&boxes)
-        } else {
-            build_some(&boxes)
+        let is_bad = |i: &u32| !is_finite(&boxes[*i as usize]);
+        let all = 0..boxes.len() as u32;
+        let kept: Option<Vec<u32>> = all
+            .clone()
+            .into_par_iter()
+            .any(|i| is_bad(&i))
+            .then(|| all.clone().filter(|i| !is_bad(i)).collect());
+        let mut nodes = match &kept {
+            None => ploc::build(&boxes),
+            Some(kept) => build_some(&boxes, kept),
         };
-        let largest = nodes.first().map_or(0.0, |root| {
-            root.aabb.min.abs().max(root.aabb.max.abs()).max_element()
-        });
-        if preset != Preset::Fast && largest < HUGE && depth(&nodes) < DEEP {
-            nodes = reinsert(nodes);
+        let Some(root) = nodes.first().map(|root| root.aabb) else {
+            return Vec::new();
+        };
+        let largest = root.min.abs().max(root.max.abs()).max_element();
+        let share = reinserted(preset);
+        if largest < HUGE && depth(&nodes) < DEEP {
+            nodes = reinsert(nodes, share);
         }
-        Self { nodes }
+        let mut candidates = vec![Self {
+            nodes,
+            repeats: false,
+        }];
+        if preset == Preset::Best && largest < HUGE {
+            drop(boxes);
+            let kept = kept.unwrap_or_else(|| all.collect());
+            candidates.push(Self {
+                nodes: reinsert(sbvh::build(mesh, &kept), share),
+                repeats: true,
+            });
+        }
+        candidates
     }
 }
 
-/// The tree over the finite boxes only.
-fn build_some(boxes: &[Aabb]) -> Vec<Bvh2Node> {
-    let good: Vec<u32> = (0..boxes.len() as u32)
-        .filter(|&i| is_finite(&boxes[i as usize]))
-        .collect();
-    let kept: Vec<Aabb> = good.iter().map(|&i| boxes[i as usize]).collect();
-    let mut nodes = ploc::build(&kept);
+/// The tree over the boxes `kept` only.
+fn build_some(boxes: &[Aabb], kept: &[u32]) -> Vec<Bvh2Node> {
+    let some: Vec<Aabb> = kept.iter().map(|&i| boxes[i as usize]).collect();
+    let mut nodes = ploc::build(&some);
     for node in nodes.iter_mut().filter(|node| node.is_leaf()) {
-        node.first_index = good[node.first_index as usize];
+        node.first_index = kept[node.first_index as usize];
     }
     nodes
 }
@@ -92,12 +108,15 @@ fn bounds(mesh: &Mesh, i: usize) -> Aabb {
     Aabb::new(a.min(b).min(c), a.max(b).max(c))
 }
 
-fn reinsert(nodes: Vec<Bvh2Node>) -> Vec<Bvh2Node> {
+fn reinsert(nodes: Vec<Bvh2Node>, share: f32) -> Vec<Bvh2Node> {
+    if share == 0.0 {
+        return nodes;
+    }
     let mut tree = Bvh2 {
         nodes,
         ..Bvh2::default()
     };
-    ReinsertionOptimizer::default().run(&mut tree, REINSERTED, None);
+    ReinsertionOptimizer::default().run(&mut tree, share, None);
     tree.nodes
 }
 

@@ -1,6 +1,6 @@
 //! What rays meet. Everything above sees only [`Geometry`].
 //!
-//! Triangles -> boxes -> binary tree (`build`, `ploc`) -> eight children a node (`collapse`) ->
+//! Triangles -> boxes -> binary tree (`build`, `ploc`, `sbvh`) -> eight children a node (`collapse`) ->
 //! tables (`layout`), which the kernels walk.
 
 mod build;
@@ -8,6 +8,8 @@ mod collapse;
 mod layout;
 mod ploc;
 mod sbvh;
+#[cfg(test)]
+mod tests_of_presets;
 
 use crate::scene::Mesh;
 pub use crate::settings::Preset;
@@ -46,11 +48,15 @@ impl Geometry {
     /// On a vertex index outside the mesh, and on more than about 2^29 triangles.
     #[must_use]
     pub fn build_with(mesh: &Mesh, preset: Preset) -> Self {
-        let mut tree = Binary::build(mesh, preset);
-        if tree.nodes.is_empty() {
+        let trees = Binary::candidates(mesh, preset);
+        // Of equally good ones the first: it refers to each triangle once.
+        let best = trees
+            .iter()
+            .map(Collapse::new)
+            .reduce(|a, b| if b.sah_cost() < a.sah_cost() { b } else { a });
+        let Some(collapse) = best else {
             return Self::default();
-        }
-        let collapse = Collapse::new(&mut tree);
+        };
         let root = collapse.aabb(0);
         Self {
             layout: Layout::new(mesh, &collapse),
@@ -93,7 +99,8 @@ impl Geometry {
         self.layout.blocks.len()
     }
 
-    /// Triangles in the tree's leaves.
+    /// References to triangles in the tree's leaves: where [`Preset::Best`] has cut triangles, more
+    /// than there are triangles.
     #[must_use]
     pub fn triangles(&self) -> usize {
         self.layout.triangles
