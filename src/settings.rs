@@ -93,7 +93,7 @@ impl Default for Settings {
             ao_distance: None,
             bvh: Preset::default(),
             threads: 0,
-            wave: 4096,
+            wave: 2048,
             tile: 32,
         }
     }

@@ -44,7 +44,7 @@ fn a_furnace_cut_at_n_gives_the_geometric_series() {
             assert!(cosine.variance().unwrap() < 1e-20 * expected);
             if depth > 0 && i > 0 {
                 let uniform = mean(&furnace(albedo), &settings(Strategy::Uniform, depth, 4096));
-                assert_mean("uniform", &uniform, expected, 4 * 6);
+                assert_mean("uniform", (&uniform).into(), expected, 4 * 6);
             }
         }
     }
@@ -70,7 +70,7 @@ fn a_lambertian_floor_under_a_sky_reflects_its_albedo() {
     let mut scene = floor_from_above(0.3, Builder::new());
     scene.sky = Some([2.0, 2.0, 2.0]);
     let reflected = mean(&scene, &settings(Strategy::Uniform, 1, 16_384));
-    assert_mean("floor", &reflected, 2.0 * f64::from(0.3f32), 1);
+    assert_mean("floor", (&reflected).into(), 2.0 * f64::from(0.3f32), 1);
     // A ray that meets nothing sees the sky itself.
     let li = Reference::new(&scene, &scene.settings).li(
         &mut rand_pcg::Pcg64::new(0, 0),

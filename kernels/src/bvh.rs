@@ -4,8 +4,8 @@
 //! A node is 256 bytes, four cache lines: six planes of eight boxes and eight references. A block
 //! is 160 bytes and holds whole vertices, which the watertight test needs (an edge that two
 //! triangles share must be computed from the same numbers in both). A reference is a `u32`: an
-//! inner node by its index, or, with [`LEAF`] set, a run of blocks by its first index (27 bits)
-//! and its length less one (4 bits).
+//! inner node by its index, or, with [`LEAF`] set, a block. A leaf is one block: how much work a
+//! step is does not depend on data, and a branch that would is not there to be mispredicted.
 
 use bytemuck::{Pod, Zeroable};
 use wide::{f32x4, f32x8, u32x4, u32x8};
@@ -17,12 +17,11 @@ pub const WIDTH: usize = 8;
 pub const BLOCK: usize = 4;
 /// The bit of a reference that says leaf.
 pub const LEAF: u32 = 1 << 31;
-/// What an unused slot of a node refers to. Its box is inside out, so nothing ever enters it.
-pub const EMPTY: u32 = u32::MAX;
-/// Most blocks in a leaf.
-pub const LEAF_BLOCKS: usize = 15;
+/// What an unused slot of a node refers to (its box is inside out, so nothing ever enters it), and
+/// what a ray with nothing left to visit visits next.
+pub const NOTHING: u32 = u32::MAX;
 /// Most blocks that a tree can refer to.
-pub const MAX_BLOCKS: usize = 1 << 27;
+pub const MAX_BLOCKS: usize = (LEAF - 1) as usize;
 /// Most nodes on a path from the root to a leaf, whatever the scene. Builders promise it.
 pub const MAX_DEPTH: usize = 32;
 
@@ -50,7 +49,7 @@ impl Node {
             f32x8::new([f32::INFINITY; WIDTH]),
             f32x8::new([f32::NEG_INFINITY; WIDTH]),
         ],
-        child: u32x8::new([EMPTY; WIDTH]),
+        child: u32x8::new([NOTHING; WIDTH]),
         spare: u32x8::new([0; WIDTH]),
     };
 
@@ -93,22 +92,21 @@ impl Block {
     }
 }
 
-/// The reference to `count` blocks from `first` on.
+/// The reference to block `index`.
 ///
 /// # Panics
-/// If `count` is not in `1 ..= LEAF_BLOCKS` or the run ends beyond [`MAX_BLOCKS`].
+/// If `index` is not below [`MAX_BLOCKS`].
 #[must_use]
-pub fn leaf(first: usize, count: usize) -> u32 {
-    assert!((1..=LEAF_BLOCKS).contains(&count) && first + count <= MAX_BLOCKS);
-    LEAF | ((count - 1) as u32) << 27 | first as u32
+pub fn leaf(index: usize) -> u32 {
+    assert!(index < MAX_BLOCKS, "at most {MAX_BLOCKS} blocks");
+    LEAF | index as u32
 }
 
-/// The blocks that a leaf's reference means.
+/// The index of the block or node that a reference means.
 #[inline(always)]
 #[must_use]
-pub fn leaf_blocks(reference: u32) -> std::ops::Range<usize> {
-    let first = (reference & (MAX_BLOCKS as u32 - 1)) as usize;
-    first..first + (reference >> 27 & 15) as usize + 1
+pub fn index(reference: u32) -> usize {
+    (reference & !LEAF) as usize
 }
 
 /// A tree as the kernels see it. Node 0 is the root; no nodes, no geometry.

@@ -8,27 +8,31 @@
 //! the three lowest replaced by the lane. A lane that is not hit has key 0 at most and sinks to
 //! the end. So the order is total and the same on every machine.
 
-use crate::bvh::{MAX_DEPTH, Node, WIDTH};
-use crate::lanes::{Fx, Ux, as_bits};
+use crate::bvh::{MAX_DEPTH, NOTHING, Node, WIDTH};
+use crate::lanes::{self, Fx, Mask, Ux, as_bits};
+use crate::query::Query;
 
-/// Slots of a stack: a node takes one entry and leaves at most eight, and the last store may write
-/// eight slots above the top.
-pub const STACK: usize = (WIDTH - 1) * MAX_DEPTH + 2 * WIDTH;
+/// Entries below the first, so that the eight topmost ones can always be looked at together. The
+/// last of them is a sentinel, which says that nothing is left.
+const BELOW: usize = WIDTH;
+/// Entries of a stack: a node takes one and leaves at most eight, and the last store may write
+/// eight above the top.
+const STACK: usize = BELOW + (WIDTH - 1) * MAX_DEPTH + 2 * WIDTH;
 
 /// What a ray has still to visit, the next one last.
 #[derive(Clone, Debug)]
 pub struct Stack {
+    len: usize,
     child: [u32; STACK],
     enter: [f32; STACK],
-    len: usize,
 }
 
 impl Default for Stack {
     fn default() -> Self {
         Self {
-            child: [0; STACK],
-            enter: [0.0; STACK],
-            len: 0,
+            len: BELOW,
+            child: [NOTHING; STACK],
+            enter: [f32::NEG_INFINITY; STACK],
         }
     }
 }
@@ -37,52 +41,49 @@ impl Stack {
     /// Nothing to visit.
     #[inline(always)]
     pub fn clear(&mut self) {
-        self.len = 0;
+        self.len = BELOW;
     }
 
-    /// Adds the children of `node` in `mask`, which the ray enters at `enter`, farthest first.
+    /// Adds the children of `node` that the ray `hits`, which it enters at `enter`: farthest first
+    /// if the query wants its children ordered, else from the lowest slot up.
     #[inline(always)]
-    pub fn push_ordered(&mut self, node: &Node, mask: u32, enter: Fx) {
-        let order = descending(mask, enter);
+    pub fn push<Q: Query>(&mut self, node: &Node, hits: Mask, enter: Fx) {
         let end = self.len + WIDTH;
-        let child = node.child.shuffle_wrapping(order);
-        let enter: Fx = bytemuck::cast(as_bits(enter).shuffle_wrapping(order));
-        self.child[self.len..end].copy_from_slice(child.as_array());
-        self.enter[self.len..end].copy_from_slice(enter.as_array());
+        let mask = hits.to_bitmask();
+        if Q::ORDERED {
+            let order = descending(hits, enter);
+            let child = node.child.shuffle_wrapping(order);
+            let enter = as_bits(enter).shuffle_wrapping(order);
+            self.child[self.len..end].copy_from_slice(child.as_array());
+            self.enter[self.len..end].copy_from_slice(bytemuck::cast_ref::<_, [f32; 8]>(&enter));
+        } else {
+            let child = node.child.shuffle_wrapping(compacting(mask));
+            self.child[self.len..end].copy_from_slice(child.as_array());
+        }
         self.len += mask.count_ones() as usize;
     }
 
-    /// Takes the next reference that is entered at `limit` or before.
+    /// Takes the next reference, [`NOTHING`] at the end; if they are ordered, the next that is
+    /// entered at `limit` or before.
     #[inline(always)]
-    pub fn pop_within(&mut self, limit: f32) -> Option<u32> {
-        while self.len > 0 {
-            self.len -= 1;
-            // Asked this way round, a NaN is visited.
-            let beyond = self.enter[self.len] > limit;
-            if !beyond {
-                return Some(self.child[self.len]);
+    pub fn pop<Q: Query>(&mut self, limit: f32) -> u32 {
+        if Q::ORDERED {
+            // Eight at a time: how many a shrunken limit has made useless no branch can foresee.
+            loop {
+                let start = self.len - WIDTH;
+                let beyond = lanes::load(&self.enter, start).simd_gt(Fx::splat(limit));
+                // Asked this way round, a NaN is visited, and so is the sentinel.
+                let within = !beyond.to_bitmask() & 0xff;
+                if within != 0 {
+                    self.len = start + within.ilog2() as usize;
+                    break;
+                }
+                self.len = start;
             }
+        } else {
+            self.len -= 1;
         }
-        None
-    }
-
-    /// Adds the children of `node` in `mask`, in no particular order (but always the same).
-    #[inline(always)]
-    pub fn push(&mut self, node: &Node, mask: u32) {
-        let end = self.len + WIDTH;
-        let child = node.child.shuffle_wrapping(compacting(mask));
-        self.child[self.len..end].copy_from_slice(child.as_array());
-        self.len += mask.count_ones() as usize;
-    }
-
-    /// Takes the next reference.
-    #[inline(always)]
-    pub fn pop(&mut self) -> Option<u32> {
-        if self.len == 0 {
-            return None;
-        }
-        self.len -= 1;
-        Some(self.child[self.len])
+        self.child[self.len]
     }
 }
 
@@ -111,13 +112,11 @@ fn compacting(mask: u32) -> Ux {
     Ux::splat(nibbles) >> Ux::new([0, 4, 8, 12, 16, 20, 24, 28])
 }
 
-/// Lane numbers (in the low three bits) that sort the lanes of `mask` by falling `enter`.
+/// Lane numbers (in the low three bits) that sort the lanes of `hits` by falling `enter`.
 #[inline(always)]
-fn descending(mask: u32, enter: Fx) -> Ux {
+fn descending(hits: Mask, enter: Fx) -> Ux {
     let lane = Ux::new([0, 1, 2, 3, 4, 5, 6, 7]);
-    let bit = Ux::new([1, 2, 4, 8, 16, 32, 64, 128]);
-    let hit = (Ux::splat(mask) & bit).simd_eq(bit);
-    let key = ((as_bits(enter) & Ux::splat(!7)) | lane) & hit;
+    let key = ((as_bits(enter) & Ux::splat(!7)) | lane) & as_bits(hits);
     // A lane that is not hit loses its number, so two keys may be equal; only keys of hits count.
     let stage = |key: Ux, partner: [u32; 8], keep_max: [bool; 8]| {
         let other = key.shuffle_wrapping(Ux::new(partner));
@@ -140,49 +139,75 @@ fn descending(mask: u32, enter: Fx) -> Ux {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::query::{ClosestHit, Occlusion};
+
+    type Ordered = ClosestHit<'static, 'static>;
+    type Plain = Occlusion<'static, 'static>;
+
+    fn hits(mask: u32) -> Mask {
+        bytemuck::cast(Ux::new(std::array::from_fn(|l| {
+            if mask >> l & 1 != 0 { !0 } else { 0 }
+        })))
+    }
+
+    fn node() -> Node {
+        Node {
+            child: Ux::new([0, 1, 2, 3, 4, 5, 6, 7]),
+            ..Node::EMPTY
+        }
+    }
+
+    fn pop_all<Q: Query>(stack: &mut Stack) -> Vec<usize> {
+        std::iter::from_fn(|| Some(stack.pop::<Q>(f32::MAX)).filter(|&c| c != NOTHING))
+            .map(|child| child as usize)
+            .collect()
+    }
 
     #[test]
-    fn every_mask_comes_out_farthest_first() {
-        let mut node = Node::EMPTY;
-        node.child = Ux::new([10, 11, 12, 13, 14, 15, 16, 17]);
+    fn every_mask_comes_out_nearest_first() {
         let enter = [0.0f32, 3.0, 1.0, 1e-40, 3.0, 7.5, 2.0, 1e30];
         for mask in 0u32..256 {
-            let mut hit: Vec<usize> = (0..8).filter(|l| mask >> l & 1 != 0).collect();
-            hit.sort_by(|&a, &b| enter[a].total_cmp(&enter[b]).then(a.cmp(&b)));
+            let mut expected: Vec<usize> = (0..8).filter(|l| mask >> l & 1 != 0).collect();
+            expected.sort_by(|&a, &b| enter[a].total_cmp(&enter[b]).then(a.cmp(&b)));
             let mut stack = Stack::default();
-            stack.push_ordered(&node, mask, Fx::new(enter));
-            let popped: Vec<usize> = std::iter::from_fn(|| stack.pop_within(f32::MAX))
-                .map(|c| c as usize - 10)
-                .collect();
-            assert_eq!(popped, hit, "mask {mask:08b}");
+            stack.push::<Ordered>(&node(), hits(mask), Fx::new(enter));
+            assert_eq!(pop_all::<Ordered>(&mut stack), expected, "mask {mask:08b}");
         }
     }
 
     #[test]
     fn every_mask_is_compacted() {
-        let mut node = Node::EMPTY;
-        node.child = Ux::new([0, 1, 2, 3, 4, 5, 6, 7]);
         for mask in 0u32..256 {
             let mut stack = Stack::default();
-            stack.push(&node, mask);
-            let mut popped: Vec<u32> = std::iter::from_fn(|| stack.pop()).collect();
+            stack.push::<Plain>(&node(), hits(mask), Fx::ZERO);
+            let mut popped = pop_all::<Plain>(&mut stack);
             popped.reverse();
-            let expected: Vec<u32> = (0..8).filter(|l| mask >> l & 1 != 0).collect();
+            let expected: Vec<usize> = (0..8).filter(|l| mask >> l & 1 != 0).collect();
             assert_eq!(popped, expected, "mask {mask:08b}");
         }
     }
 
     #[test]
-    fn what_lies_beyond_the_limit_is_skipped() {
-        let mut node = Node::EMPTY;
-        node.child = Ux::new([0, 1, 2, 3, 4, 5, 6, 7]);
+    fn what_lies_beyond_the_limit_is_skipped_however_much_it_is() {
         let mut stack = Stack::default();
-        stack.push_ordered(
-            &node,
-            0xff,
-            Fx::new([5.0, 1.0, 2.0, 3.0, 4.0, 6.0, 7.0, 8.0]),
-        );
-        assert_eq!(stack.pop_within(1.0), Some(1));
-        assert_eq!(stack.pop_within(1.5), None);
+        let near = Fx::new([0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 7.0, 8.0]);
+        stack.push::<Ordered>(&node(), hits(0b11), near);
+        for _ in 0..5 {
+            stack.push::<Ordered>(&node(), hits(0xff), near + Fx::splat(9.0));
+        }
+        assert_eq!(stack.pop::<Ordered>(9.5), 0);
+        assert_eq!(stack.pop::<Ordered>(0.9), 0);
+        assert_eq!(stack.pop::<Ordered>(0.4), NOTHING);
+    }
+
+    #[test]
+    fn the_deepest_tree_fits() {
+        let mut stack = Stack::default();
+        for _ in 0..MAX_DEPTH {
+            stack.push::<Ordered>(&node(), hits(0xff), Fx::ONE);
+            assert_ne!(stack.pop::<Ordered>(f32::MAX), NOTHING);
+        }
+        let all = pop_all::<Ordered>(&mut stack);
+        assert_eq!(all.len(), (WIDTH - 1) * MAX_DEPTH);
     }
 }

@@ -27,7 +27,7 @@
 //! bytes of the node; writes nothing.
 
 use crate::bvh::Node;
-use crate::lanes::Fx;
+use crate::lanes::{Fx, Mask};
 
 /// How much the far side of a box, and the current closest distance, are moved away.
 pub const PAD: f32 = 1.0 / 524_288.0;
@@ -59,12 +59,12 @@ impl Slabs {
         }
     }
 
-    /// Which boxes meet the ray at `0 ..= limit` (a bit a lane), and where it enters them.
+    /// Which boxes meet the ray at `0 ..= limit`, and where it enters them.
     ///
     /// `limit` is the distance beyond which nothing is wanted, already times `1 + PAD`.
     #[inline(always)]
     #[must_use]
-    pub fn test(&self, node: &Node, limit: f32) -> (u32, Fx) {
+    pub fn test(&self, node: &Node, limit: f32) -> (Mask, Fx) {
         let plane = |axis: usize, side: u32, inverse: f32| {
             let plane = node.planes[2 * axis + (side & 1) as usize];
             (plane - Fx::splat(self.origin[axis])) * Fx::splat(inverse)
@@ -74,6 +74,6 @@ impl Slabs {
         // What may be NaN stands first.
         let enter = near(0).fast_max(near(1).fast_max(near(2).fast_max(Fx::ZERO)));
         let leave = far(0).fast_min(far(1).fast_min(far(2).fast_min(Fx::splat(limit))));
-        (!enter.simd_gt(leave).to_bitmask() & 0xff, enter)
+        (!enter.simd_gt(leave), enter)
     }
 }

@@ -19,8 +19,9 @@
 use crate::bvh::{BLOCK, Block};
 use wide::f32x4;
 
-/// Edge functions below this are decided in f64. It is no tolerance (both ways of deciding give an
-/// answer, and the f64 one is exact): from 2^-102 down, f32 products lose bits to underflow.
+/// Edge functions below this, and triangles whose doubled area, seen from the ray, is above its
+/// reciprocal, are decided in f64. It is no tolerance (both ways of deciding give an answer, and
+/// the f64 one is exact): from 2^-102 down, f32 products lose bits to underflow.
 const SURE: f32 = 1.0 / ((1u128 << 100) as f32);
 
 /// What the triangle test needs of a ray.
@@ -39,33 +40,15 @@ pub struct Shear {
 /// What a block's four triangles answer, before anyone asks which answer is wanted.
 #[derive(Clone, Copy, Debug)]
 pub struct Candidates {
-    /// A bit for each triangle that the ray's line meets at `t > 0`.
-    pub mask: u32,
-    /// Distances, where the bit is set.
+    /// True for each triangle that the ray's line meets at `t > 0`; elsewhere the rest is
+    /// unspecified.
+    pub met: f32x4,
+    /// Distances.
     pub t: f32x4,
-    /// Weights of the second and of the third corner, times `det`.
-    weights: [f32x4; 2],
-    det: f32x4,
-}
-
-impl Candidates {
-    const NONE: Self = Self {
-        mask: 0,
-        t: f32x4::ZERO,
-        weights: [f32x4::ZERO; 2],
-        det: f32x4::ONE,
-    };
-
-    /// Barycentric weights of the second and third corner in `lane`: at least 0, their sum at most
-    /// 1 to rounding.
-    #[inline(always)]
-    #[must_use]
-    pub fn barycentric(&self, lane: usize) -> [f32; 2] {
-        let lane = lane & (BLOCK - 1);
-        let det = self.det.as_array()[lane];
-        // Adding 0 turns -0 into 0.
-        self.weights.map(|w| w.as_array()[lane] / det + 0.0)
-    }
+    /// Barycentric weight of the second corner, at least 0.
+    pub u: f32x4,
+    /// Barycentric weight of the third corner, at least 0; `u + v` is at most 1 to rounding.
+    pub v: f32x4,
 }
 
 /// A direction with its largest component in `[1, 2)`, and the power of two that made it so.
@@ -133,40 +116,40 @@ impl Shear {
         let negative = wa.simd_lt(zero) | wb.simd_lt(zero) | wc.simd_lt(zero);
         let positive = wa.simd_gt(zero) | wb.simd_gt(zero) | wc.simd_gt(zero);
         let least = wa.abs().fast_min(wb.abs().fast_min(wc.abs()));
-        let doubtful = !least.simd_ge(f32x4::splat(SURE)) | !det.is_finite();
-        let mask = !(negative & positive).to_bitmask() & 0xf;
-        let doubtful = doubtful.to_bitmask();
-        if mask | doubtful == 0 {
-            return Candidates::NONE;
-        }
+        let sure = least.simd_ge(f32x4::splat(SURE)) & det.abs().simd_le(f32x4::splat(1.0 / SURE));
         // The weights are divided before they meet a distance: their products with it would
-        // overflow or vanish long before they do.
-        let share = f32x4::splat(self.inverse) / det;
-        let t = (wa * share).mul_add(a[2], (wb * share).mul_add(b[2], wc * share * c[2]));
+        // overflow or vanish long before they do. What is computed for lanes that are not met is
+        // computed in vain; a branch around it would be mispredicted every other time.
+        let share = f32x4::ONE / det;
+        let (ua, ub, uc) = (wa * share, wb * share, wc * share);
+        let depth = ua.mul_add(a[2], ub.mul_add(b[2], uc * c[2]));
+        let t = depth * f32x4::splat(self.inverse);
         let mut candidates = Candidates {
-            mask: mask & t.simd_gt(zero).to_bitmask(),
+            met: !(negative & positive) & t.simd_gt(zero),
             t,
-            weights: [wb, wc],
-            det,
+            // Adding 0 turns -0 into 0.
+            u: ub + zero,
+            v: uc + zero,
         };
-        if doubtful != 0 {
-            self.decide_exactly(doubtful, [a, b, c], [wa, wb, wc], &mut candidates);
+        if !sure.all() {
+            self.decide_exactly(sure, [a, b, c], [wa, wb, wc], &mut candidates);
         }
         candidates
     }
 
-    /// The same test in f64 for the lanes of `doubtful`, from the same sheared corners. An edge
+    /// The same test in f64 for the lanes that are not `sure`, from the same sheared corners. An edge
     /// that is not in doubt keeps its f32 value: the neighbour beyond that edge decided by it.
     #[cold]
     #[inline(never)]
     fn decide_exactly(
         &self,
-        doubtful: u32,
+        sure: f32x4,
         corners: [[f32x4; 3]; 3],
         weights: [f32x4; 3],
         out: &mut Candidates,
     ) {
-        for lane in (0..BLOCK).filter(|lane| doubtful >> lane & 1 != 0) {
+        let sure = sure.to_bitmask();
+        for lane in (0..BLOCK).filter(|lane| sure >> lane & 1 == 0) {
             let [a, b, c] = corners.map(|p| p.map(|e| f64::from(e.as_array()[lane])));
             let edge = |single: f32x4, p: [f64; 3], q: [f64; 3]| {
                 let single = single.as_array()[lane];
@@ -185,13 +168,12 @@ impl Shear {
             let inside = w.iter().all(|&e| e >= 0.0) || w.iter().all(|&e| e <= 0.0);
             let depth = (w[0] * a[2] + w[1] * b[2] + w[2] * c[2]) / det;
             let t = (depth * f64::from(self.inverse)) as f32;
-            out.mask &= !(1 << lane);
             // A det of 0, or a corner that overflowed, leaves NaN or infinity in t.
-            out.mask |= u32::from(inside && det != 0.0 && t > 0.0 && t < f32::INFINITY) << lane;
+            let met = inside && det != 0.0 && t > 0.0 && t < f32::INFINITY;
+            out.met.as_mut_array()[lane] = f32::from_bits(if met { !0 } else { 0 });
             out.t.as_mut_array()[lane] = t;
-            out.weights[0].as_mut_array()[lane] = (w[1] / det) as f32;
-            out.weights[1].as_mut_array()[lane] = (w[2] / det) as f32;
-            out.det.as_mut_array()[lane] = 1.0;
+            out.u.as_mut_array()[lane] = (w[1] / det) as f32 + 0.0;
+            out.v.as_mut_array()[lane] = (w[2] / det) as f32 + 0.0;
         }
     }
 }

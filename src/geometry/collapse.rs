@@ -17,8 +17,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub(super) const NODE_COST: f32 = 1.0;
 /// Cost of testing a ray with a block of triangles.
 pub(super) const BLOCK_COST: f32 = 0.6;
-/// Most triangles that the collapse puts into a leaf.
-pub(super) const MAX_LEAF: usize = 2 * BLOCK;
+/// Most triangles in a leaf.
+pub(super) const MAX_LEAF: usize = BLOCK;
 /// Nodes above this depth are decided in parallel.
 const FORK: u32 = 12;
 /// References that are looked through for triangles that occur more than once. What has more is no
@@ -143,7 +143,7 @@ impl<'a> Collapse<'a> {
             references
         };
         if triangles <= MAX_LEAF {
-            area * BLOCK_COST * triangles.div_ceil(BLOCK) as f32
+            area * BLOCK_COST
         } else {
             f32::INFINITY
         }

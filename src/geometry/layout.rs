@@ -11,9 +11,9 @@ use huygens_kernels::bvh::{BLOCK, Block, MAX_DEPTH, Node, WIDTH, leaf};
 use obvhs::aabb::Aabb;
 
 /// From this depth on a subtree is no longer laid out as the collapse would have it, but cut into
-/// eight equal runs again and again. That adds 9 levels at most (8^9 blocks are more than a
-/// reference can tell apart), so [`MAX_DEPTH`] holds whatever the input. Real scenes stay below 15.
-const BALANCE_FROM: usize = MAX_DEPTH - 10;
+/// eight equal runs again and again. That adds 10 levels at most (4 * 8^10 is the number of
+/// references), so [`MAX_DEPTH`] holds whatever the input. Real scenes stay below 15.
+const BALANCE_FROM: usize = MAX_DEPTH - 11;
 
 /// The finished tables and what is known about them.
 #[derive(Debug, Default)]
@@ -53,7 +53,7 @@ impl Layout {
     /// Writes the tables of a tree that is not empty.
     ///
     /// # Panics
-    /// If there are more triangles than references can tell apart (about 2^29).
+    /// If there are more triangles than references can tell apart (about 2^31).
     pub(super) fn new(mesh: &Mesh, collapse: &Collapse) -> Self {
         let mut out = Self::default();
         let mut pending = vec![Pending {
@@ -80,8 +80,7 @@ impl Layout {
                         What::Tree(node) => collapse.triangles(node, &mut triangles),
                         What::Run(run) => triangles = run,
                     }
-                    let blocks = triangles.len().div_ceil(BLOCK);
-                    cost += area * f64::from(BLOCK_COST) * blocks as f64;
+                    cost += area * f64::from(BLOCK_COST);
                     out.push_leaf(mesh, &triangles)
                 } else {
                     cost += area * f64::from(NODE_COST);
@@ -111,15 +110,16 @@ impl Layout {
         out
     }
 
-    /// Writes the blocks of a leaf and returns their reference.
+    /// Writes the block of a leaf and returns its reference.
     fn push_leaf(&mut self, mesh: &Mesh, triangles: &[u32]) -> u32 {
-        let first = self.blocks.len();
-        for run in triangles.chunks(BLOCK) {
-            let lanes: Vec<_> = run.iter().map(|&i| (i, mesh.corners(i as usize))).collect();
-            self.blocks.push(Block::new(&lanes));
+        let row = |i: u32| (i, mesh.corners(i as usize));
+        let mut rows = [row(triangles[0]); BLOCK];
+        for (to, &from) in rows.iter_mut().zip(triangles) {
+            *to = row(from);
         }
+        self.blocks.push(Block::new(&rows[..triangles.len()]));
         self.triangles += triangles.len();
-        leaf(first, self.blocks.len() - first)
+        leaf(self.blocks.len() - 1)
     }
 }
 

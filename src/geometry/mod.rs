@@ -16,9 +16,12 @@ pub use crate::settings::Preset;
 use build::Binary;
 use collapse::Collapse;
 use huygens_kernels::bvh::{Block, Bvh, Node};
+use huygens_kernels::flight;
 use huygens_kernels::rays::{Hits, Rays, Segments};
-use huygens_kernels::traverse;
 use layout::Layout;
+
+/// Rays under way together: see `docs/performance.md`.
+const IN_FLIGHT: usize = 32;
 
 /// The acceleration structure over a mesh.
 #[derive(Debug, Default)]
@@ -45,7 +48,7 @@ impl Geometry {
     /// O(n log n), and [`Geometry::depth`] has a bound.
     ///
     /// # Panics
-    /// On a vertex index outside the mesh, and on more than about 2^29 triangles.
+    /// On a vertex index outside the mesh, and on more than about 2^31 triangles.
     #[must_use]
     pub fn build_with(mesh: &Mesh, preset: Preset) -> Self {
         let trees = Binary::candidates(mesh, preset);
@@ -65,16 +68,18 @@ impl Geometry {
     }
 
     /// Closest hit of each ray.
-    pub fn closest(&self, rays: Rays, mut hits: Hits) {
-        traverse::closest(self.bvh(), rays, &mut hits);
+    pub fn closest(&self, rays: Rays, hits: Hits) {
+        flight::closest::<IN_FLIGHT>(self.bvh(), rays, hits);
     }
 
     /// For each segment: 1 if something lies on it, 0 if its ends see each other.
     pub fn occluded(&self, segments: Segments, occluded: &mut [u32]) {
-        traverse::occluded(self.bvh(), segments, occluded);
+        flight::occluded::<IN_FLIGHT>(self.bvh(), segments, occluded);
     }
 
-    fn bvh(&self) -> Bvh<'_> {
+    /// The tree as kernels see it.
+    #[must_use]
+    pub fn bvh(&self) -> Bvh<'_> {
         Bvh {
             nodes: &self.layout.nodes,
             blocks: &self.layout.blocks,

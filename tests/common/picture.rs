@@ -1,29 +1,35 @@
 //! Pictures with error bars, where they come from, and how they are kept.
 
 use huygens::estimate::Running;
+use huygens::film::{Film, Image};
+use huygens::geometry::Geometry;
 use huygens::reference::Reference;
 use huygens::scene::Scene;
 use huygens::settings::Settings;
+use huygens::wave::{self, Control, RenderStats};
 use rayon::prelude::*;
 use std::fmt::Write;
 
-/// Mean of every pixel and the variance of that mean, in scanline order.
+/// Mean of every pixel, and how it scatters, in scanline order.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Picture {
     pub(crate) width: usize,
     pub(crate) height: usize,
     pub(crate) mean: Vec<[f64; 3]>,
+    /// Variance of that mean.
     pub(crate) variance: Vec<[f64; 3]>,
+    /// Skewness of that mean; 0 where nothing is known of it.
+    pub(crate) skewness: Vec<[f64; 3]>,
 }
 
 impl Picture {
     /// Mean over all pixels of channel `c`, and the variance of that.
-    pub(crate) fn overall(&self, c: usize) -> [f64; 2] {
+    pub(crate) fn overall(&self, c: usize) -> Mean {
         let n = self.mean.len() as f64;
-        [
-            self.mean.iter().map(|p| p[c]).sum::<f64>() / n,
-            self.variance.iter().map(|p| p[c]).sum::<f64>() / (n * n),
-        ]
+        Mean {
+            value: self.mean.iter().map(|p| p[c]).sum::<f64>() / n,
+            variance: self.variance.iter().map(|p| p[c]).sum::<f64>() / (n * n),
+        }
     }
 
     /// The picture with every value, and so every error, `factor` times as large.
@@ -32,77 +38,108 @@ impl Picture {
         Self {
             mean: scale(&self.mean, factor),
             variance: scale(&self.variance, factor * factor),
-            ..*self
-        }
-    }
-
-    /// As text: a comment, the size, then a line a pixel: three means, three variances of them.
-    pub(crate) fn to_text(&self, comment: &str) -> String {
-        let mut text = String::new();
-        for line in comment.lines() {
-            writeln!(text, "# {line}").unwrap();
-        }
-        writeln!(text, "{} {}", self.width, self.height).unwrap();
-        for (m, v) in self.mean.iter().zip(&self.variance) {
-            let [m, v] = [m, v].map(|p| p.map(|x| format!("{x:.7e}")).join(" "));
-            writeln!(text, "{m}  {v}").unwrap();
-        }
-        text
-    }
-
-    /// What [`Picture::to_text`] wrote.
-    pub(crate) fn from_text(text: &str) -> Self {
-        let mut lines = text.lines().filter(|l| !l.starts_with('#'));
-        let numbers = |line: &str| -> Vec<f64> {
-            line.split_whitespace()
-                .map(|n| n.parse().expect("a number"))
-                .collect()
-        };
-        let size = numbers(lines.next().expect("a size"));
-        let rows: Vec<Vec<f64>> = lines.map(numbers).collect();
-        let (width, height) = (size[0] as usize, size[1] as usize);
-        assert_eq!(rows.len(), width * height, "a line a pixel");
-        let columns = |from: usize| {
-            let pixel = |row: &Vec<f64>| std::array::from_fn(|c| row[from + c]);
-            rows.iter().map(pixel).collect()
-        };
-        Self {
-            width,
-            height,
-            mean: columns(0),
-            variance: columns(3),
+            ..self.clone()
         }
     }
 
     /// Leaves the picture behind for whoever looks into a failure; says where.
     pub(crate) fn leave_behind(&self, name: &str) -> String {
+        let mut text = format!("# {name}: x, y, mean red green blue, variances of these means\n");
+        for (i, (m, v)) in self.mean.iter().zip(&self.variance).enumerate() {
+            let (x, y) = (i % self.width, i / self.width);
+            writeln!(text, "{x} {y}  {m:?}  {v:?}").expect("a string takes all");
+        }
         let path = format!("{}/{name}.txt", env!("CARGO_TARGET_TMPDIR"));
-        std::fs::write(&path, self.to_text(name)).expect("the build folder is writable");
+        std::fs::write(&path, text).expect("the build folder is writable");
         path
     }
 }
 
-/// Renders `settings.spp` samples a pixel with the reference, directly, each pixel's moments in
-/// f64.
+/// Renders `settings.spp` samples a pixel with the reference, directly, in f64 throughout.
 pub(crate) fn by_reference(scene: &Scene, settings: &Settings) -> Picture {
     let reference = Reference::new(scene, settings);
     let (width, height) = (scene.film.width, scene.film.height);
-    let pixel = |i: u32| -> [Running; 3] {
-        let mut moments = [Running::new(); 3];
-        for sample in 0..settings.spp {
-            let radiance = reference.render_sample(i % width, i / width, sample);
-            for (running, value) in moments.iter_mut().zip(radiance) {
-                running.push(value);
-            }
-        }
-        moments
+    let n = f64::from(settings.spp);
+    // Mean, variance of the mean and skewness of the mean of each channel.
+    let pixel = |i: u32| -> [[f64; 3]; 3] {
+        let samples: Vec<[f64; 3]> = (0..settings.spp)
+            .map(|sample| reference.render_sample(i % width, i / width, sample))
+            .collect();
+        let channel = |c: usize| {
+            let moment = |power: i32, about: f64| {
+                samples
+                    .iter()
+                    .map(|s| (s[c] - about).powi(power))
+                    .sum::<f64>()
+            };
+            let mean = moment(1, 0.0) / n;
+            let variance = moment(2, mean) / (n - 1.0);
+            let skewness = if variance > 0.0 {
+                moment(3, mean) / n / variance.powf(1.5)
+            } else {
+                0.0
+            };
+            [mean, variance / n, skewness / n.sqrt()]
+        };
+        [0, 1, 2].map(channel)
     };
     let pixels: Vec<_> = (0..width * height).into_par_iter().map(pixel).collect();
-    let error = |r: Running| r.standard_error().expect("two samples at least").powi(2);
+    let column = |k: usize| pixels.iter().map(|p| p.map(|channel| channel[k])).collect();
     Picture {
         width: width as usize,
         height: height as usize,
-        mean: pixels.iter().map(|p| p.map(|r| r.mean())).collect(),
-        variance: pixels.iter().map(|p| p.map(error)).collect(),
+        mean: column(0),
+        variance: column(1),
+        skewness: column(2),
+    }
+}
+
+/// Renders through the wave.
+pub(crate) fn render(scene: &Scene, settings: &Settings) -> (Image, RenderStats) {
+    let film = Film::new(scene.film.width, scene.film.height, settings.tile);
+    let geometry = Geometry::build(&scene.mesh);
+    let stats = wave::render(scene, &geometry, settings, &film, &Control::default());
+    assert_eq!(
+        stats.samples,
+        u64::from(scene.film.width * scene.film.height) * u64::from(settings.spp),
+        "every sample was rendered"
+    );
+    assert!(stats.dropped.is_empty(), "{:?}", stats.dropped);
+    (film.develop(), stats)
+}
+
+/// A picture through the wave.
+pub(crate) fn by_wave(scene: &Scene, settings: &Settings) -> Picture {
+    let image = render(scene, settings).0;
+    Picture {
+        width: image.width as usize,
+        height: image.height as usize,
+        mean: image.mean.iter().map(|p| p.map(f64::from)).collect(),
+        variance: image.variance.iter().map(|p| p.map(f64::from)).collect(),
+        skewness: vec![[0.0; 3]; image.mean.len()],
+    }
+}
+
+/// Mean of channel 0 over a film whose pixels all mean the same, with its standard error.
+pub(crate) fn mean_by_wave(scene: &Scene, settings: &Settings) -> Mean {
+    by_wave(scene, settings).overall(0)
+}
+
+/// An estimate with its error.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mean {
+    pub(crate) value: f64,
+    pub(crate) variance: f64,
+}
+
+impl From<&Running> for Mean {
+    fn from(running: &Running) -> Self {
+        Self {
+            value: running.mean(),
+            variance: running
+                .standard_error()
+                .expect("two values at least")
+                .powi(2),
+        }
     }
 }

@@ -43,6 +43,17 @@ impl Builder {
         self.mesh.material.extend([material; 2]);
     }
 
+    /// One triangle, its front where the corners run counter-clockwise, or on the other side.
+    pub(crate) fn triangle(&mut self, material: u32, corners: [[f32; 3]; 3], flipped: bool) {
+        let first = self.mesh.vertices.len() as u32;
+        self.mesh.vertices.extend(corners);
+        let [second, third] = if flipped { [2, 1] } else { [1, 2] };
+        self.mesh
+            .indices
+            .push([first, first + second, first + third]);
+        self.mesh.material.push(material);
+    }
+
     /// The axis-aligned box from `low` to `high`, its fronts inside.
     pub(crate) fn room(&mut self, material: u32, low: [f32; 3], high: [f32; 3]) {
         let corner =
@@ -183,13 +194,40 @@ pub(crate) fn furnace(albedo: f32) -> Scene {
     let mut b = Builder::new();
     let wall = b.material([albedo; 3], [1.0; 3]);
     b.room(wall, [-1.0, -0.5, -2.0], [1.5, 1.0, 1.0]);
-    b.scene(camera_along_z([0.1, 0.2, 0.3], -1.0, 1.0), 2, 2)
+    b.scene(camera_along_z([0.1, 0.2, 0.3], -1.0, 1.0), 4, 4)
+}
+
+/// The same inside a ball of 512 triangles, none of which meet in a sharp edge.
+pub(crate) fn round_furnace(albedo: f32) -> Scene {
+    let mut b = Builder::new();
+    let wall = b.material([albedo; 3], [1.0; 3]);
+    // An octahedron, each face cut in 64, its vertices lifted to the unit sphere.
+    let steps = 8;
+    for octant in 0..8 {
+        let sign: [f32; 3] = std::array::from_fn(|axis| [1.0, -1.0][(octant >> axis) & 1]);
+        let lift = |i: i32, j: i32| -> [f32; 3] {
+            let p = [i, j, steps - i - j].map(|k| k as f32);
+            let length = p.iter().map(|c| c * c).sum::<f32>().sqrt();
+            std::array::from_fn(|axis| sign[axis] * p[axis] / length)
+        };
+        let outward = sign[0] * sign[1] * sign[2] > 0.0;
+        for i in 0..steps {
+            for j in 0..steps - i {
+                let lower = [lift(i, j), lift(i + 1, j), lift(i, j + 1)];
+                let upper = [lift(i + 1, j), lift(i + 1, j + 1), lift(i, j + 1)];
+                b.triangle(wall, lower, outward);
+                if i + j + 1 < steps {
+                    b.triangle(wall, upper, outward);
+                }
+            }
+        }
+    }
+    b.scene(camera_along_z([0.1, 0.2, 0.3], -1.0, 1.0), 4, 4)
 }
 
 /// A wide floor at y = 0 of the given reflectance, seen from above its origin so closely that the
 /// whole film sees that point, to a part in a million.
-pub(crate) fn floor_from_above(albedo: f32, b: Builder) -> Scene {
-    let mut b = b;
+pub(crate) fn floor_from_above(albedo: f32, mut b: Builder) -> Scene {
     let grey = b.material([albedo; 3], [0.0; 3]);
     b.quad(
         grey,

@@ -1,0 +1,116 @@
+//! The image is a function of scene, settings and seed: not of threads, wave, tiles or the day.
+
+mod common;
+
+use common::picture::render;
+use common::scenes::{Builder, cornell_box, floor_from_above};
+use huygens::film::Image;
+use huygens::scene::Scene;
+use huygens::settings::{Integrator, Settings, Strategy};
+
+/// Means and variances, bit by bit, and counts.
+fn bits(image: &Image) -> (Vec<[u32; 3]>, Vec<[u32; 3]>, &[u32]) {
+    let column = |c: &[[f32; 3]]| c.iter().map(|p| p.map(f32::to_bits)).collect();
+    (column(&image.mean), column(&image.variance), &image.samples)
+}
+
+/// Renders `scene` in every way that must not matter.
+fn assert_identical(scene: &Scene, base: &Settings) {
+    let whole = render(scene, base).0;
+    assert!(
+        whole.mean.iter().flatten().any(|&v| v > 0.0),
+        "not a black picture"
+    );
+    for (threads, wave, tile) in [
+        (1, base.wave, base.tile),
+        (2, base.wave, base.tile),
+        (3, base.wave, base.tile),
+        (1, 256, base.tile),
+        (1, 16_384, base.tile),
+        (1, base.wave, 8),
+        (1, base.wave, 64),
+        (3, 256, 8),
+        (2, 16_384, 64),
+    ] {
+        let settings = Settings {
+            threads,
+            wave,
+            tile,
+            ..base.clone()
+        };
+        let image = render(scene, &settings).0;
+        assert!(
+            bits(&image) == bits(&whole),
+            "{threads} threads, wave {wave}, tile {tile} change the image of {base:?}"
+        );
+    }
+}
+
+fn settings(strategy: Strategy, integrator: Integrator) -> Settings {
+    Settings {
+        strategy,
+        integrator,
+        spp: 100,
+        seed: 5,
+        ..Settings::default()
+    }
+}
+
+/// Not square, and no multiple of any tile.
+fn box_70_by_51() -> Scene {
+    let mut scene = cornell_box(70);
+    scene.film.height = 51;
+    scene
+}
+
+#[test]
+fn on_the_cornell_box() {
+    let scene = box_70_by_51();
+    assert_identical(&scene, &settings(Strategy::Mis, Integrator::Path));
+}
+
+#[test]
+fn with_every_strategy_and_integrator() {
+    let mut scene = box_70_by_51();
+    (scene.film.width, scene.film.height) = (21, 18);
+    for strategy in [Strategy::Uniform, Strategy::Cosine, Strategy::Light] {
+        assert_identical(&scene, &settings(strategy, Integrator::Path));
+    }
+    for integrator in [
+        Integrator::Direct,
+        Integrator::Ao,
+        Integrator::Normals,
+        Integrator::Depth,
+        Integrator::Albedo,
+        Integrator::Reference,
+    ] {
+        let short = Settings {
+            spp: 5,
+            ..settings(Strategy::Mis, integrator)
+        };
+        assert_identical(&scene, &short);
+    }
+}
+
+#[test]
+fn under_a_sky() {
+    let mut scene = floor_from_above(0.5, Builder::new());
+    scene.sky = Some([0.25, 0.5, 1.0]);
+    (scene.film.width, scene.film.height) = (33, 40);
+    (scene.camera.half_width, scene.camera.half_height) = (1.0, 1.2);
+    assert_identical(&scene, &settings(Strategy::Mis, Integrator::Path));
+}
+
+#[test]
+fn another_seed_is_another_image() {
+    let scene = box_70_by_51();
+    let base = Settings {
+        spp: 1,
+        ..settings(Strategy::Mis, Integrator::Path)
+    };
+    let other = Settings {
+        seed: 6,
+        ..base.clone()
+    };
+    assert!(bits(&render(&scene, &base).0) != bits(&render(&scene, &other).0));
+}

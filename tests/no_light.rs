@@ -1,0 +1,60 @@
+//! A scene without light is black, a scene without surfaces is sky, and nothing goes wrong in
+//! either.
+
+mod common;
+
+use common::picture::render;
+use common::scenes::{Builder, camera_along_z, cornell_box};
+use huygens::settings::{Settings, Strategy};
+
+const STRATEGIES: [Strategy; 4] = [
+    Strategy::Uniform,
+    Strategy::Cosine,
+    Strategy::Light,
+    Strategy::Mis,
+];
+
+fn settings(strategy: Strategy) -> Settings {
+    Settings {
+        strategy,
+        spp: 8,
+        ..Settings::default()
+    }
+}
+
+#[test]
+fn no_light_renders_black() {
+    let mut scene = cornell_box(9);
+    for material in &mut scene.materials {
+        material.emission = [0.0; 3];
+    }
+    for strategy in STRATEGIES {
+        // `render` asserts that nothing was dropped.
+        let (image, stats) = render(&scene, &settings(strategy));
+        assert!(
+            image.mean.iter().flatten().all(|&v| v == 0.0),
+            "{strategy:?}"
+        );
+        assert_eq!(
+            stats.shadow_rays, 0,
+            "{strategy:?}: there is no light to look for"
+        );
+    }
+}
+
+#[test]
+fn no_surface_renders_the_sky() {
+    let mut scene = Builder::new().scene(camera_along_z([0.0; 3], -1.0, 1.0), 5, 3);
+    for sky in [None, Some([0.25, 0.5, 3.0])] {
+        scene.sky = sky;
+        for strategy in STRATEGIES {
+            let image = render(&scene, &settings(strategy)).0;
+            // Sums of eight equal numbers are exact.
+            assert_eq!(
+                image.mean,
+                vec![sky.unwrap_or_default(); 15],
+                "{strategy:?}"
+            );
+        }
+    }
+}
