@@ -7,7 +7,7 @@ use crate::cli::failure::{Failure, warn};
 use crate::cli::options::SceneOptions;
 use crate::cli::text::out;
 use contents::Contents;
-use huygens::geometry::Geometry;
+use huygens::geometry::{Geometry, Preset};
 use miette::IntoDiagnostic;
 
 /// Show what a scene holds and what it needs, without rendering it
@@ -20,6 +20,10 @@ pub(crate) struct Args {
     /// Print JSON (see docs/stats.md)
     #[arg(long)]
     json: bool,
+
+    /// How much work goes into the tree over the triangles [if the scene says nothing: balanced]
+    #[arg(long, value_name = "NAME")]
+    bvh: Option<Preset>,
 }
 
 /// Runs `huygens inspect`.
@@ -27,7 +31,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let path = &args.scene.scene;
     let scene = args.scene.load()?;
     warn(&scene.warnings, args.scene.strict)?;
-    let geometry = Geometry::build(&scene.mesh);
+    let geometry = Geometry::build_with(&scene.mesh, args.bvh.unwrap_or(scene.settings.bvh));
     let contents = Contents::of(&scene, path, &geometry.memory());
     if args.json {
         let json = serde_json::to_string_pretty(&contents).into_diagnostic();

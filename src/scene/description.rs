@@ -6,7 +6,7 @@ use super::transform::Transform;
 use super::values::{
     Count, FieldOfView, Finite, Natural, NonNegative, OneOrThree, Pixels, Positive, Unit,
 };
-use crate::settings::{Integrator, Strategy};
+use crate::settings::{Integrator, Preset, Strategy};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
@@ -80,6 +80,7 @@ pub(super) struct Settings {
     pub(super) roulette: Option<bool>,
     pub(super) seed: Option<Natural>,
     pub(super) ao_distance: Option<Positive>,
+    pub(super) bvh: Option<Preset>,
 }
 
 /// `[sky]`
