@@ -70,9 +70,20 @@ fn measure(name: &str, mesh: &Mesh) {
     for round in 0..ROUNDS {
         for (preset, row) in rows.iter_mut().enumerate() {
             for (pool, times) in pools.iter().zip(row.iter_mut()) {
-                let start = if std::env::var("CPU").is_ok() { cpu(libc::CLOCK_PROCESS_CPUTIME_ID) } else { cpu(libc::CLOCK_MONOTONIC) };
+                let start = if std::env::var("CPU").is_ok() {
+                    cpu(libc::CLOCK_PROCESS_CPUTIME_ID)
+                } else {
+                    cpu(libc::CLOCK_MONOTONIC)
+                };
                 let geometry = pool.install(|| Geometry::build_with(mesh, PRESETS[preset].1));
-                times.push(n / (if std::env::var("CPU").is_ok() { cpu(libc::CLOCK_PROCESS_CPUTIME_ID) } else { cpu(libc::CLOCK_MONOTONIC) } - start) * 1e-6);
+                times.push(
+                    n / (if std::env::var("CPU").is_ok() {
+                        cpu(libc::CLOCK_PROCESS_CPUTIME_ID)
+                    } else {
+                        cpu(libc::CLOCK_MONOTONIC)
+                    } - start)
+                        * 1e-6,
+                );
                 if round == 0 && built.len() == preset {
                     built.push(geometry);
                 }

@@ -1,7 +1,8 @@
-//! From triangles to binary trees: boxes, clustering (`ploc.rs`) or splitting (`sbvh/`), then obvhs'
+//! From triangles to binary trees: clustering (`ploc.rs`) or splitting (`sbvh/`), then obvhs'
 //! reinsertion, which takes badly placed subtrees out and puts them where they cost least
 //! (D. Meister, J. Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", CGF
-//! 37(2), 2018).
+//! 37(2), 2018). It moves whole leaves, which splitting has filled: on trees with one triangle a
+//! leaf it spoils the blocks, see `docs/performance.md`.
 
 use super::{ploc, sbvh};
 use crate::scene::Mesh;
@@ -13,17 +14,12 @@ use obvhs::{
 };
 use rayon::prelude::*;
 
-/// Share of the nodes that one pass of reinsertion considers.
-fn reinserted(preset: Preset) -> f32 {
-    match preset {
-        Preset::Fast => 0.0,
-        // obvhs' preset `medium`.
-        Preset::Balanced => 0.05,
-        // Its preset `slow`.
-        Preset::Best => 0.2,
-    }
-}
-
+/// Share of the nodes that one pass of reinsertion considers, for `balanced`: obvhs' own `medium`.
+const MEDIUM: f32 = 0.05;
+/// The same for `best`: obvhs' own `slow`.
+const SLOW: f32 = 0.2;
+/// References that `best` may add by cutting, as a share of the triangles.
+const CUTS: f32 = 1.0;
 /// Reinsertion walks the tree with a stack of 192 entries that panics when it is full. Trees start
 /// at 30 to 60 levels for millions of triangles and hardly grow; one that is this deep already
 /// comes from boxes that reinsertion could not improve.
@@ -32,10 +28,13 @@ const DEEP: usize = 96;
 /// NaN.
 const HUGE: f32 = 1e18;
 
-/// A binary tree with one triangle a leaf. Node 0 is the root; children lie side by side; a leaf's
-/// `first_index` is its triangle. Boxes of inner nodes are tight around their children's.
+/// A binary tree. Node 0 is the root, children lie side by side and after their parents until
+/// reinsertion. A leaf holds `prim_count` entries of `triangles` from `first_index` on: at most a
+/// block. Boxes of inner nodes are tight around their children's.
 pub(super) struct Binary {
     pub(super) nodes: Vec<Bvh2Node>,
+    /// What leaves refer to.
+    pub(super) triangles: Vec<u32>,
     /// Whether a triangle may be in more than one leaf.
     pub(super) repeats: bool,
 }
@@ -50,49 +49,59 @@ impl Binary {
             .collect();
         // A scene promises finite vertices. Should one slip through, its triangles are left out
         // rather than let spoil every comparison of areas.
-        let is_bad = |i: &u32| !is_finite(&boxes[*i as usize]);
-        let all = 0..boxes.len() as u32;
-        let kept: Option<Vec<u32>> = all
-            .clone()
+        let kept: Vec<u32> = (0..boxes.len() as u32)
             .into_par_iter()
-            .any(|i| is_bad(&i))
-            .then(|| all.clone().filter(|i| !is_bad(i)).collect());
-        let mut nodes = match &kept {
-            None => ploc::build(&boxes),
-            Some(kept) => build_some(&boxes, kept),
-        };
-        let Some(root) = nodes.first().map(|root| root.aabb) else {
+            .filter(|&i| is_finite(&boxes[i as usize]))
+            .collect();
+        if kept.is_empty() {
             return Vec::new();
-        };
-        let largest = root.min.abs().max(root.max.abs()).max_element();
-        let share = reinserted(preset);
-        if largest < HUGE && depth(&nodes) < DEEP {
-            nodes = reinsert(nodes, share);
         }
-        let mut candidates = vec![Self {
-            nodes,
-            repeats: false,
-        }];
-        if preset == Preset::Best && largest < HUGE {
-            drop(boxes);
-            let kept = kept.unwrap_or_else(|| all.collect());
-            candidates.push(Self {
-                nodes: reinsert(sbvh::build(mesh, &kept), share),
-                repeats: true,
-            });
+        let largest = boxes
+            .par_iter()
+            .filter(|aabb| is_finite(aabb))
+            .map(|aabb| aabb.min.abs().max(aabb.max.abs()).max_element())
+            .reduce(|| 0.0, f32::max);
+        if preset == Preset::Fast || largest >= HUGE {
+            return vec![Self::cluster(&boxes, kept)];
         }
-        candidates
+        drop(boxes);
+        match preset {
+            Preset::Best => vec![
+                sbvh::build(mesh, &kept, 0.0).reinsert(SLOW),
+                sbvh::build(mesh, &kept, CUTS).reinsert(SLOW),
+            ],
+            _ => vec![sbvh::build(mesh, &kept, 0.0).reinsert(MEDIUM)],
+        }
     }
-}
 
-/// The tree over the boxes `kept` only.
-fn build_some(boxes: &[Aabb], kept: &[u32]) -> Vec<Bvh2Node> {
-    let some: Vec<Aabb> = kept.iter().map(|&i| boxes[i as usize]).collect();
-    let mut nodes = ploc::build(&some);
-    for node in nodes.iter_mut().filter(|node| node.is_leaf()) {
-        node.first_index = kept[node.first_index as usize];
+    /// The tree over the boxes `kept`, by clustering.
+    fn cluster(boxes: &[Aabb], kept: Vec<u32>) -> Self {
+        let some: Vec<Aabb>;
+        let boxes = if kept.len() == boxes.len() {
+            boxes
+        } else {
+            some = kept.iter().map(|&i| boxes[i as usize]).collect();
+            &some
+        };
+        Self {
+            nodes: ploc::build(boxes),
+            triangles: kept,
+            repeats: false,
+        }
     }
-    nodes
+
+    /// Improves the tree where it can.
+    fn reinsert(mut self, share: f32) -> Self {
+        if depth(&self.nodes) < DEEP {
+            let mut tree = Bvh2 {
+                nodes: breadth_first(&self.nodes),
+                ..Bvh2::default()
+            };
+            ReinsertionOptimizer::default().run(&mut tree, share, None);
+            self.nodes = tree.nodes;
+        }
+        self
+    }
 }
 
 fn is_finite(aabb: &Aabb) -> bool {
@@ -108,16 +117,21 @@ fn bounds(mesh: &Mesh, i: usize) -> Aabb {
     Aabb::new(a.min(b).min(c), a.max(b).max(c))
 }
 
-fn reinsert(nodes: Vec<Bvh2Node>, share: f32) -> Vec<Bvh2Node> {
-    if share == 0.0 {
-        return nodes;
+/// The same tree with the nodes of a level before those of the next: reinsertion looks for
+/// candidates at the front of the list, and means large nodes.
+fn breadth_first(nodes: &[Bvh2Node]) -> Vec<Bvh2Node> {
+    let mut sorted = Vec::with_capacity(nodes.len());
+    sorted.push(nodes[0]);
+    let mut next = 0;
+    while next < sorted.len() {
+        let first = sorted[next].first_index as usize;
+        if !sorted[next].is_leaf() {
+            sorted[next].first_index = sorted.len() as u32;
+            sorted.extend([nodes[first], nodes[first + 1]]);
+        }
+        next += 1;
     }
-    let mut tree = Bvh2 {
-        nodes,
-        ..Bvh2::default()
-    };
-    ReinsertionOptimizer::default().run(&mut tree, share, None);
-    tree.nodes
+    sorted
 }
 
 /// Nodes on the longest path from the root; children must come after their parents.

@@ -23,7 +23,7 @@ pub(super) const MAX_LEAF: usize = BLOCK;
 const FORK: u32 = 12;
 /// References that are looked through for triangles that occur more than once. What has more is no
 /// leaf, unless most of them are the same.
-const LOOK_THROUGH: usize = 2 * MAX_LEAF;
+const LOOK_THROUGH: u32 = 2 * MAX_LEAF as u32;
 
 /// How a node is represented by at most so many roots.
 #[derive(Clone, Copy)]
@@ -59,6 +59,8 @@ struct Subtree {
     /// Entry `k`: cost with at most `k + 1` roots.
     costs: [f32; WIDTH - 1],
     /// Leaves of the binary tree.
+    leaves: u32,
+    /// References in them.
     references: u32,
 }
 
@@ -104,7 +106,8 @@ impl<'a> Collapse<'a> {
         if binary.is_leaf() {
             return Subtree {
                 costs: [area * BLOCK_COST; WIDTH - 1],
-                references: 1,
+                leaves: 1,
+                references: binary.prim_count,
             };
         }
         let first = binary.first_index;
@@ -126,22 +129,25 @@ impl<'a> Collapse<'a> {
             "boxes are tight"
         );
         let references = left.references.saturating_add(right.references);
-        let leaf = self.leaf_cost(node, area, references as usize);
+        let leaf = self.leaf_cost(node, area, references);
         let (costs, shares) = decide(area, leaf, &left, &right);
         let packed = u64::from_le_bytes(shares.map(Share::to_byte));
         self.shares[node as usize].store(packed, Ordering::Relaxed);
-        Subtree { costs, references }
+        Subtree {
+            costs,
+            leaves: left.leaves.saturating_add(right.leaves),
+            references,
+        }
     }
 
     /// Cost of `node` as a leaf.
-    fn leaf_cost(&self, node: u32, area: f32, references: usize) -> f32 {
-        let triangles = if self.tree.repeats && references <= LOOK_THROUGH {
-            let mut distinct = Vec::with_capacity(references);
+    fn leaf_cost(&self, node: u32, area: f32, references: u32) -> f32 {
+        let mut triangles = references as usize;
+        if self.tree.repeats && triangles > MAX_LEAF && references <= LOOK_THROUGH {
+            let mut distinct = Vec::with_capacity(triangles);
             self.triangles(node, &mut distinct);
-            distinct.len()
-        } else {
-            references
-        };
+            triangles = distinct.len();
+        }
         if triangles <= MAX_LEAF {
             area * BLOCK_COST
         } else {
@@ -192,7 +198,9 @@ impl<'a> Collapse<'a> {
         while let Some(i) = pending.pop() {
             let node = &self.nodes()[i as usize];
             if node.is_leaf() {
-                out.push(node.first_index);
+                let first = node.first_index as usize;
+                let run = first..first + node.prim_count as usize;
+                out.extend_from_slice(&self.tree.triangles[run]);
             } else {
                 pending.extend([node.first_index + 1, node.first_index]);
             }
@@ -200,7 +208,7 @@ impl<'a> Collapse<'a> {
         if !self.tree.repeats {
             return;
         }
-        if out.len() <= LOOK_THROUGH {
+        if out.len() <= LOOK_THROUGH as usize {
             let mut kept = 0;
             for i in 0..out.len() {
                 if !out[..kept].contains(&out[i]) {
@@ -224,7 +232,7 @@ fn decide(
     right: &Subtree,
 ) -> ([f32; WIDTH - 1], [Share; WIDTH]) {
     // No subtree has more roots than leaves: larger shares bring nothing.
-    let most = [left, right].map(|side| (side.references as usize).min(WIDTH - 1));
+    let most = [left, right].map(|side| (side.leaves as usize).min(WIDTH - 1));
     // Where every cost is infinite the first split stands: still a valid tree.
     let split = |roots: usize| {
         let from = roots.saturating_sub(most[1]).max(1);

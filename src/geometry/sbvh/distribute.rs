@@ -6,6 +6,7 @@ use super::Task;
 use super::bounds::Bounds;
 use super::reference::{Cutter, Reference};
 use super::split::{Grid, Split};
+use super::sweep::Sweep;
 use crate::scene::Mesh;
 
 /// Both halves while they fill.
@@ -75,6 +76,16 @@ impl<'a> Task<'a> {
         let references = &self.from[self.valid];
         for (i, &reference) in references.iter().enumerate() {
             halves.push(2 * i >= references.len(), reference);
+        }
+        halves.finish(self.from, self.depth)
+    }
+
+    /// Parts a few references as a sweep has found.
+    pub(super) fn sort(self, few: &Sweep) -> (Task<'a>, Task<'a>) {
+        let mut halves = Halves::new(self.to);
+        let references = &self.from[self.valid];
+        for (i, &at) in few.order[..references.len()].iter().enumerate() {
+            halves.push(i >= few.lower, references[at as usize]);
         }
         halves.finish(self.from, self.depth)
     }

@@ -1,6 +1,7 @@
-//! A binary tree from the top down, with object splits and spatial splits (M. Stich, H. Friedrich,
-//! A. Dietrich, "Spatial Splits in Bounding Volume Hierarchies", HPG 2009): where boxes of long
-//! triangles overlap whatever one does, a plane cuts the triangles' references instead.
+//! A binary tree from the top down, with object splits and, where asked for, spatial splits
+//! (M. Stich, H. Friedrich, A. Dietrich, "Spatial Splits in Bounding Volume Hierarchies", HPG
+//! 2009): where boxes of long triangles overlap whatever one does, a plane cuts the triangles'
+//! references instead.
 //!
 //! **Room.** A node may make more references only as far as its share of a budget goes. What a
 //! split leaves is handed on in proportion to the references of the halves, so that every subtree
@@ -14,35 +15,39 @@ mod bounds;
 mod distribute;
 mod reference;
 mod split;
+mod sweep;
 
+use super::build::Binary;
 use crate::scene::Mesh;
 use bounds::Bounds;
+use huygens_kernels::bvh::BLOCK;
 use obvhs::bvh2::node::Bvh2Node;
 use rayon::prelude::*;
 use reference::Reference;
 use split::Grid;
 use std::ops::Range;
+use sweep::{FEW, Sweep};
 
-/// References that may be added, as a share of the triangles.
-const BUDGET: f32 = 0.5;
 /// A spatial split is tried where the halves of the object split overlap by more than this share
-/// of the root's area (the paper's alpha).
-const OVERLAP: f32 = 1e-5;
-/// Fewest references of a node that is split in space; below, all fit into a block as they are.
-const FEWEST: usize = huygens_kernels::bvh::BLOCK + 1;
+/// of the root's area (the paper's alpha, there 1e-5, which takes longer and gains nothing; nor
+/// does it gain anything to cut a few references).
+const OVERLAP: f32 = 1e-4;
+/// A block's worth of references is split all the same where that leaves less than this share of
+/// the area: they lie far apart. (More splits would gain hardly anything, and cost memory.)
+const SPREAD: f32 = 0.8;
 /// Depth from which on nodes are halved.
 const HALVE_FROM: u32 = 64;
 /// References from which on the halves of a node are built in parallel.
 const FORK: usize = 1 << 12;
 
 /// The tree over the triangles `kept` of `mesh`, none of which may have a corner that is not
-/// finite, nor an area that overflows: node 0 is the root, children lie side by side, a leaf's
-/// `first_index` is its triangle. A triangle may be in several leaves, whose boxes cover it.
-pub(super) fn build(mesh: &Mesh, kept: &[u32]) -> Vec<Bvh2Node> {
-    if kept.is_empty() {
-        return Vec::new();
-    }
-    let room = kept.len() + (kept.len() as f32 * BUDGET) as usize;
+/// finite, nor an area that overflows. Leaves are blocks. At most `budget` times as many references
+/// as there are triangles are added by cutting.
+///
+/// # Panics
+/// If nothing is kept.
+pub(super) fn build(mesh: &Mesh, kept: &[u32], budget: f32) -> Binary {
+    let room = kept.len() + (kept.len() as f32 * budget) as usize;
     let mut from: Vec<Reference> = Vec::with_capacity(room);
     kept.par_iter()
         .map(|&i| {
@@ -72,10 +77,16 @@ pub(super) fn build(mesh: &Mesh, kept: &[u32]) -> Vec<Bvh2Node> {
         depth: 0,
     };
     let grown = builder.grow(root);
-    let mut nodes = Vec::with_capacity(grown.len());
-    nodes.push(Bvh2Node::default());
-    grown.write(0, &mut nodes);
-    nodes
+    drop((from, to));
+    let (nodes, triangles) = grown.len();
+    let mut tree = Binary {
+        nodes: Vec::with_capacity(nodes),
+        triangles: Vec::with_capacity(triangles),
+        repeats: triangles > kept.len(),
+    };
+    tree.nodes.push(Bvh2Node::default());
+    grown.write(0, &mut tree);
+    tree
 }
 
 /// What all nodes share.
@@ -99,44 +110,57 @@ struct Task<'a> {
     depth: u32,
 }
 
+impl Task<'_> {
+    /// The best way to part a few references, two at least, above the depth where all is halved.
+    fn sweep(&self) -> Option<Sweep> {
+        let few = (2..=FEW).contains(&self.valid.len()) && self.depth < HALVE_FROM;
+        few.then(|| sweep::sweep(&self.from[self.valid.clone()]))
+    }
+}
+
 /// A subtree that is built.
 enum Grown {
-    /// One run of nodes, the subtree's root first.
-    Run(Vec<Bvh2Node>),
+    /// Built by one task: the subtree's root comes first.
+    Run(Binary),
     /// Two halves that were built in parallel.
     Fork(Bounds, Box<[Grown; 2]>),
 }
 
 impl Grown {
-    fn len(&self) -> usize {
+    /// Nodes and references.
+    fn len(&self) -> (usize, usize) {
         match self {
-            Self::Run(run) => run.len(),
-            Self::Fork(_, halves) => 1 + halves[0].len() + halves[1].len(),
+            Self::Run(run) => (run.nodes.len(), run.triangles.len()),
+            Self::Fork(_, halves) => {
+                let [low, high] = halves.each_ref().map(Self::len);
+                (1 + low.0 + high.0, low.1 + high.1)
+            }
         }
     }
 
-    /// Writes the root to `nodes[at]` and appends the others.
-    fn write(self, at: usize, nodes: &mut Vec<Bvh2Node>) {
+    /// Writes the root to `tree.nodes[at]` and appends the others.
+    fn write(self, at: usize, tree: &mut Binary) {
         match self {
             Self::Run(run) => {
                 // Indices in the run count from its root; its second node comes next.
-                let offset = nodes.len() as u32 - 1;
+                let nodes = tree.nodes.len() as u32 - 1;
+                let triangles = tree.triangles.len() as u32;
                 let moved = |mut node: Bvh2Node| {
-                    if !node.is_leaf() {
-                        node.first_index += offset;
-                    }
+                    node.first_index += if node.is_leaf() { triangles } else { nodes };
                     node
                 };
-                nodes[at] = moved(run[0]);
-                nodes.extend(run[1..].iter().map(|&node| moved(node)));
+                tree.nodes[at] = moved(run.nodes[0]);
+                tree.nodes
+                    .extend(run.nodes[1..].iter().map(|&node| moved(node)));
+                tree.triangles.extend(run.triangles);
             }
             Self::Fork(bounds, halves) => {
-                let first = nodes.len();
-                nodes[at] = Bvh2Node::new(bounds.to_aabb(), 0, first as u32);
-                nodes.extend([Bvh2Node::default(); 2]);
+                let first = tree.nodes.len();
+                tree.nodes[at] = Bvh2Node::new(bounds.to_aabb(), 0, first as u32);
+                tree.nodes.extend([Bvh2Node::default(); 2]);
                 let [low, high] = *halves;
-                low.write(first, nodes);
-                high.write(first + 1, nodes);
+                low.write(first, tree);
+                high.write(first + 1, tree);
             }
         }
     }
@@ -145,10 +169,14 @@ impl Grown {
 impl Builder<'_> {
     fn grow(&self, task: Task) -> Grown {
         if task.valid.len() < FORK {
-            let mut nodes = Vec::with_capacity(2 * task.valid.len());
-            nodes.push(Bvh2Node::default());
-            self.run(task, 0, &mut nodes);
-            return Grown::Run(nodes);
+            let mut run = Binary {
+                nodes: Vec::with_capacity(task.valid.len()),
+                triangles: Vec::with_capacity(task.from.len()),
+                repeats: false,
+            };
+            run.nodes.push(Bvh2Node::default());
+            self.run(task, 0, &mut run);
+            return Grown::Run(run);
         }
         let bounds = task.bounds;
         let (low, high) = self.divide(task);
@@ -156,37 +184,44 @@ impl Builder<'_> {
         Grown::Fork(bounds, Box::new([low, high]))
     }
 
-    /// Builds a subtree whose root is `nodes[at]`.
-    fn run(&self, task: Task, at: usize, nodes: &mut Vec<Bvh2Node>) {
+    /// Builds a subtree whose root is `run.nodes[at]`.
+    fn run(&self, task: Task, at: usize, run: &mut Binary) {
         let aabb = task.bounds.to_aabb();
-        if task.valid.len() == 1 {
-            let reference = task.from[task.valid.start];
-            nodes[at] = Bvh2Node::new(aabb, 1, reference.triangle());
+        let count = task.valid.len();
+        let few = task.sweep();
+        if count <= BLOCK && few.is_none_or(|few| few.cost >= SPREAD * task.bounds.half_area()) {
+            run.nodes[at] = Bvh2Node::new(aabb, count as u32, run.triangles.len() as u32);
+            let references = &task.from[task.valid];
+            run.triangles
+                .extend(references.iter().map(|r| r.triangle()));
             return;
         }
-        let first = nodes.len();
-        nodes[at] = Bvh2Node::new(aabb, 0, first as u32);
-        nodes.extend([Bvh2Node::default(); 2]);
-        let (low, high) = self.divide(task);
-        self.run(low, first, nodes);
-        self.run(high, first + 1, nodes);
+        let first = run.nodes.len();
+        run.nodes[at] = Bvh2Node::new(aabb, 0, first as u32);
+        run.nodes.extend([Bvh2Node::default(); 2]);
+        let (low, high) = match few {
+            Some(few) => task.sort(&few),
+            None => self.divide(task),
+        };
+        self.run(low, first, run);
+        self.run(high, first + 1, run);
     }
 
-    /// Splits two or more references.
+    /// Splits more than [`FEW`] references, or any number as deep as it may get.
     fn divide<'a>(&self, task: Task<'a>) -> (Task<'a>, Task<'a>) {
-        let references = &task.from[task.valid.clone()];
-        let n = references.len();
-        if n == 2 || task.depth >= HALVE_FROM {
+        if task.depth >= HALVE_FROM {
             return task.halve();
         }
+        let references = &task.from[task.valid.clone()];
+        let n = references.len();
+        let spare = task.from.len() - n;
         let centres = Grid::new(task.centres);
         let object = split::object(references, &centres);
-        let spare = task.from.len() - n;
         let overlap = object.map_or(f32::INFINITY, |split| {
             let [a, b] = split.halves;
             a.intersection(b).half_area()
         });
-        if n >= FEWEST && spare > 0 && overlap > self.overlap {
+        if spare > 0 && overlap > self.overlap {
             let space = Grid::new(task.bounds);
             let spatial = split::spatial(self.mesh, references, &space).filter(|spatial| {
                 let [low, high] = spatial.counts;
