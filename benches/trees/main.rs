@@ -101,7 +101,7 @@ fn measure(name: &str, mesh: &Mesh) {
     println!("  preset    SAH    refs/tri  B/tri  Mtris/s, 1 and 2 threads   Mrays/s b1     b2");
     for (i, row) in rows.iter_mut().enumerate() {
         let bytes: usize = built[i].memory().iter().map(|(_, bytes)| bytes).sum();
-        let [one, two, b1, b2] = row.each_mut().map(median);
+        let [one, two, b1, b2] = row.each_mut().map(|values| median(values));
         println!(
             "  {:9}{:7.2}{:9.3}{:8.1}{one:12.2}{two:8.2}{b1:20.2}{b2:8.2}",
             PRESETS[i].0,
@@ -188,7 +188,7 @@ fn cpu(clock: libc::clockid_t) -> f64 {
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
-fn median(values: &mut Vec<f64>) -> f64 {
+fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
 }

@@ -114,20 +114,20 @@ impl Bins {
             bins
         });
         parts
-            .reduce(|| Box::new(Self::EMPTY), Self::merge)
+            .reduce(|| Box::new(Self::EMPTY), |a, b| a.merge(&b))
             .as_ref()
             .clone()
     }
 
-    fn merge(mut a: Box<Self>, b: Box<Self>) -> Box<Self> {
+    fn merge(mut self: Box<Self>, other: &Self) -> Box<Self> {
         for axis in 0..3 {
             for bin in 0..BINS {
-                a.bounds[axis][bin] = a.bounds[axis][bin].union(b.bounds[axis][bin]);
-                a.begin[axis][bin] += b.begin[axis][bin];
-                a.end[axis][bin] += b.end[axis][bin];
+                self.bounds[axis][bin] = self.bounds[axis][bin].union(other.bounds[axis][bin]);
+                self.begin[axis][bin] += other.begin[axis][bin];
+                self.end[axis][bin] += other.end[axis][bin];
             }
         }
-        a
+        self
     }
 
     /// The cheapest plane between two bins that leaves something on both sides.
