@@ -16,6 +16,7 @@
 //! # }
 //! ```
 
+pub mod accuracy;
 pub mod estimate;
 pub mod film;
 pub mod geometry;

@@ -34,7 +34,8 @@ const DEEPEST: u32 = 2048;
 pub struct Reference<'a> {
     scene: &'a Scene,
     triangles: Vec<Triangle>,
-    sky: DVec3,
+    zenith: DVec3,
+    nadir: DVec3,
     seed: u32,
     max_depth: u32,
     uniform: bool,
@@ -94,7 +95,8 @@ impl<'a> Reference<'a> {
         Self {
             scene,
             triangles: triangles.collect(),
-            sky: vector(scene.sky.unwrap_or_default()),
+            zenith: scene.sky.map_or(DVec3::ZERO, |sky| vector(sky.zenith)),
+            nadir: scene.sky.map_or(DVec3::ZERO, |sky| vector(sky.nadir)),
             seed: settings.seed,
             max_depth: unbounded.depth_limit().min(DEEPEST),
             uniform: settings.strategy == Strategy::Uniform,
@@ -124,7 +126,7 @@ impl<'a> Reference<'a> {
 
     fn radiance(&self, rng: &mut impl Rng, ray: &Ray, depth: u32) -> DVec3 {
         let Some(hit) = self.closest(ray) else {
-            return self.sky;
+            return self.nadir.lerp(self.zenith, 0.5 + 0.5 * ray.direction.y);
         };
         let surface = &self.triangles[hit.triangle];
         let front = ray.direction.dot(surface.normal) < 0.0;

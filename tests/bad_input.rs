@@ -27,7 +27,7 @@ fn missing_file() {
 fn unknown_kind_of_file() {
     assert_eq!(
         Folder::new().with("s.blend", "").error("s.blend"),
-        "s.blend: expected a scene: a `.toml` or an `.obj` file"
+        "s.blend: expected a scene: a `.toml`, an `.obj` or a `.ply` file"
     );
 }
 
@@ -256,7 +256,7 @@ fn transform_that_flattens() {
 #[test]
 fn shape_of_no_kind_or_of_two() {
     let expected =
-        "s.toml:1:1: shapes[0]: expected exactly one of `obj`, `rectangle`, `box` or `mesh`";
+        "s.toml:1:1: shapes[0]: expected exactly one of `obj`, `ply`, `rectangle`, `box` or `mesh`";
     assert_eq!(message("[[shapes]]\n"), expected);
     let two = "[[shapes]]\nobj = \"a.obj\"\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n";
     assert_eq!(message(two), expected);

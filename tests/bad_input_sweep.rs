@@ -88,6 +88,38 @@ fn odd_files_of_other_projects() {
     assert_eq!(wrong, expected);
 }
 
+#[test]
+fn odd_ply_files_of_other_projects() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/odd/ply");
+    if !folder.is_dir() {
+        eprintln!("SKIPPED: no {}", folder.display());
+        return;
+    }
+    let mut found = Vec::new();
+    files(&folder, "ply", &mut found);
+    assert!(found.len() >= 8, "{} files", found.len());
+    let mut answers: Vec<(String, usize)> = Vec::new();
+    for path in &found {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let result = scene::load(path);
+        let triangles = result.as_ref().map_or(0, |s| s.mesh.triangles());
+        assert_eq!(check(&name, result), triangles > 0, "{name}");
+        answers.push((name, triangles));
+    }
+    answers.sort();
+    let expected = [
+        ("cube.ply", 12),
+        ("cube_binary.ply", 12),
+        ("cube_binary_header_with_RN_newline.ply", 12),
+        ("cube_binary_starts_with_nl.ply", 12),
+        ("cube_uv.ply", 12),
+        ("float-color.ply", 1),
+        ("issue623.ply", 0), // its header has lost the line `element face`
+        ("points.ply", 0),   // no faces
+    ];
+    assert_eq!(answers, expected.map(|(name, n)| (name.to_owned(), n)));
+}
+
 const SCENE: &str = r#"
 name = "all keys"
 [camera]
@@ -131,6 +163,10 @@ mesh = { vertices = [[0, 0, 0], [4, 0, 0], [1, 1, 0], [0, 4, 0]], faces = [[0, 1
 
 const OBJ: &str = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1e-3 -0\nv .5 .5 1\n\
                    usemtl red\nf 1/1/1 2//2 3 4 5\nusemtl blue\nf -1 -2 -3\nl 1 2\n";
+
+const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
+                   property float z\nelement face 2\nproperty list uchar int vertex_indices\n\
+                   end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n4 0 2 3 1\n";
 
 const MTL: &str = "newmtl red\nKd 0.5 0.5 0.5\nKe 1 0 0\nd 0.5\nillum 2\nmap_Kd -s 1 1 1 x.png\n\
                    newmtl blue\nKd 1 0 0\n";
@@ -179,10 +215,30 @@ proptest! {
         }
     }
 
+    /// Behind a header that says binary, the words of ASCII are as good as any bytes.
+    #[test]
+    fn damaged_ply_files(
+        at in 0.0f64..1.0,
+        length in 0usize..12,
+        by in prop_oneof!["[-0-9.e \\n]{1,6}", "(nan|inf|1e39|-1|99999999999999999999|list|face)"],
+        format in prop_oneof!["ascii", "binary_little_endian", "binary_big_endian"],
+    ) {
+        let bytes = damage(&PLY.replace("ascii", &format), at, length, by.as_bytes());
+        let folder = Folder::new().with("a.ply", bytes);
+        check("a.ply", scene::load(&folder.path("a.ply")));
+        // Nor does counting fail in another way, or count less than is read.
+        let counts = scene::Source::open(&folder.path("a.ply")).and_then(|s| s.counts());
+        if let (Ok(counts), Ok(scene)) = (counts, scene::load(&folder.path("a.ply"))) {
+            prop_assert!(counts.triangles >= scene.mesh.triangles() as u64);
+            prop_assert!(counts.vertices >= scene.mesh.vertices.len() as u64);
+        }
+    }
+
     #[test]
     fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
-        let folder = Folder::new().with("a.obj", &bytes).with("s.toml", &bytes);
-        for name in ["s.toml", "a.obj"] {
+        let ply = [&b"ply\n"[..], &bytes].concat();
+        let folder = Folder::new().with("a.obj", &bytes).with("s.toml", &bytes).with("a.ply", ply);
+        for name in ["s.toml", "a.obj", "a.ply"] {
             check(name, scene::load(&folder.path(name)));
         }
     }

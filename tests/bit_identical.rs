@@ -5,7 +5,7 @@ mod common;
 use common::picture::render;
 use common::scenes::{Builder, cornell_box, floor_from_above};
 use huygens::film::Image;
-use huygens::scene::Scene;
+use huygens::scene::{Scene, Sky};
 use huygens::settings::{Integrator, Settings, Strategy};
 
 /// Means and variances, bit by bit, and counts.
@@ -95,7 +95,10 @@ fn with_every_strategy_and_integrator() {
 #[test]
 fn under_a_sky() {
     let mut scene = floor_from_above(0.5, Builder::new());
-    scene.sky = Some([0.25, 0.5, 1.0]);
+    scene.sky = Some(Sky {
+        zenith: [0.25, 0.5, 1.0],
+        nadir: [0.5, 0.25, 0.125],
+    });
     (scene.film.width, scene.film.height) = (33, 40);
     (scene.camera.half_width, scene.camera.half_height) = (1.0, 1.2);
     assert_identical(&scene, &settings(Strategy::Mis, Integrator::Path));

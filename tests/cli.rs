@@ -166,6 +166,48 @@ fn an_unknown_strategy_is_answered_with_the_known_ones() {
     );
 }
 
+/// The file is only looked through: read, it would be refused for its last index.
+#[test]
+fn a_scene_beyond_the_memory_allowed_is_refused_unread() {
+    let folder = folder();
+    let vertices = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n\
+               property float z\nelement face 1\nproperty list uchar int vertex_indices\n\
+               end_header\n";
+    let scene = "[film]\nwidth = 10\nheight = 10\n[[shapes]]\nply = \"a.ply\"\n\
+                 [[shapes]]\nobj = \"a.obj\"\n[[shapes]]\nobj = \"a.obj\"\n\
+                 [[shapes]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n";
+    for (name, text) in [
+        ("a.ply", format!("{ply}{vertices}4 0 1 2 9\n")),
+        ("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n".to_owned()),
+        ("s.toml", scene.to_owned()),
+    ] {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    for command in ["render", "inspect"] {
+        let run = |size: &str| huygens(folder.path(), &[command, "s.toml", "--max-memory", size]);
+        let output = run("9k");
+        // 2 + 2 * 1 + 12 triangles, 4 + 2 * 3 + 8 vertices, 100 pixels.
+        assert_eq!(
+            String::from_utf8_lossy(&output.stderr),
+            "error: the scene needs about 10.2 kB of memory while it renders, more than the \
+             9.00 kB of --max-memory\n  help: vertices 216 B, vertex indices 192 B, material \
+             indices 64 B, bvh nodes 304 B, bvh triangles 992 B, film 5.60 kB, image 2.80 kB\n"
+        );
+        assert_eq!(output.status.code(), Some(2));
+        let output = run("20k");
+        assert_eq!(
+            String::from_utf8_lossy(&output.stderr),
+            "error: a.ply: face 0 has vertex index 9, expected one of the 4 vertices, from 0\n"
+        );
+        assert_eq!(output.status.code(), Some(2));
+        assert_eq!(names(folder.path()), ["a.obj", "a.ply", "s.toml"]);
+    }
+    let why = "expected a size such as 800M or 4G, found 4X";
+    let message = format!("error: invalid value '4X' for '--max-memory <SIZE>': {why}{MORE}");
+    refused(&["--max-memory", "4X"], &message);
+}
+
 /// Nothing colours what is not read on a terminal.
 #[test]
 fn no_escape_codes_reach_a_file() {
@@ -189,6 +231,8 @@ fn help_and_version_succeed() {
         &["--help"][..],
         &["render", "--help"],
         &["inspect", "--help"],
+        &["accuracy", "--help"],
+        &["diff", "--help"],
         &["--version"],
     ] {
         let output = huygens(folder.path(), args);
@@ -205,7 +249,12 @@ fn help_and_version_succeed() {
 fn the_documentation_lists_exactly_the_options_there_are() {
     let folder = folder();
     let page = include_str!("../docs/command-line.md");
-    for command in ["render", "inspect"] {
+    for (command, known) in [
+        ("render", "--strict"),
+        ("inspect", "--strict"),
+        ("accuracy", "--budget"),
+        ("diff", "--scale"),
+    ] {
         let help = huygens(folder.path(), &[command, "--help"]).stdout;
         let help = String::from_utf8(help).expect("text");
         let heading = format!("## huygens {command}");
@@ -213,7 +262,7 @@ fn the_documentation_lists_exactly_the_options_there_are() {
             .split("\n## ")
             .find(|s| heading.ends_with(&s[..s.find('\n').unwrap()]));
         let documented = options(section.expect("a section"));
-        assert!(documented.contains("--strict"));
+        assert!(documented.contains(known));
         assert_eq!(documented, options(&help), "{command}");
     }
 }

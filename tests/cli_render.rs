@@ -171,7 +171,7 @@ fn statistics_add_up() {
             .and_then(|v| v.as_u64())
             .expect("a number")
     };
-    assert_eq!(number("/schema"), 1);
+    assert_eq!(number("/schema"), 2);
     assert_eq!(number("/samples/done"), 20 * 12 * 3);
     assert_eq!(number("/samples/asked"), 20 * 12 * 3);
     assert_eq!(number("/rays/camera"), 20 * 12 * 3);

@@ -5,6 +5,7 @@ mod common;
 
 use common::picture::render;
 use common::scenes::{Builder, camera_along_z, cornell_box};
+use huygens::scene::Sky;
 use huygens::settings::{Settings, Strategy};
 
 const STRATEGIES: [Strategy; 4] = [
@@ -46,7 +47,7 @@ fn no_light_renders_black() {
 fn no_surface_renders_the_sky() {
     let mut scene = Builder::new().scene(camera_along_z([0.0; 3], -1.0, 1.0), 5, 3);
     for sky in [None, Some([0.25, 0.5, 3.0])] {
-        scene.sky = sky;
+        scene.sky = sky.map(Sky::constant);
         for strategy in STRATEGIES {
             let image = render(&scene, &settings(strategy)).0;
             // Sums of eight equal numbers are exact.

@@ -3,10 +3,12 @@
 mod tracing;
 
 use huygens::geometry::Geometry;
+use huygens::scene::Mesh;
 use huygens_kernels::bvh::Bvh;
+use huygens_kernels::few::Triangle;
 use huygens_kernels::lanes::padded;
 use huygens_kernels::rays::{Hits, NO_PRIMITIVE, Rays, Segments};
-use huygens_kernels::{flight, traverse};
+use huygens_kernels::{few, flight, traverse};
 use tracing::{Random, RaySet, bumpy_sphere, cube, random_soup};
 
 /// Hits and occlusion as bits, every column that is not unspecified.
@@ -120,6 +122,39 @@ fn for_any_number_of_rays() {
         let rays = random_rays(mesh.triangles(), n);
         let bvh = geometry.bvh();
         assert!(alone(bvh, &rays) == together::<32>(bvh, &rays), "{n} rays");
+    }
+}
+
+/// All triangles, as the kernel for few of them takes them.
+fn all(mesh: &Mesh) -> Vec<Triangle> {
+    (0..mesh.triangles())
+        .map(|i| Triangle {
+            primitive: i as u32,
+            corners: mesh.corners(i),
+        })
+        .collect()
+}
+
+#[test]
+fn without_a_tree() {
+    // The tree may cull a triangle seen edge-on whose computed distance is before its own box; none
+    // of these rays meets one.
+    let small = (1..20).map(|n| random_soup(n, n as u64));
+    for mesh in [cube(), random_soup(90, 23), bumpy_sphere(1, 0.1)]
+        .into_iter()
+        .chain(small)
+    {
+        let geometry = Geometry::build(&mesh);
+        let triangles = all(&mesh);
+        for n in [0, 1, 7, 8, 127, 128, 129, 3000] {
+            let rays = random_rays(mesh.triangles(), n);
+            let found = answers(
+                &rays,
+                |r, h| few::closest(&triangles, r, h),
+                |s, o| few::occluded(&triangles, s, o),
+            );
+            assert!(found == alone(geometry.bvh(), &rays), "{n} rays");
+        }
     }
 }
 

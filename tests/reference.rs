@@ -8,7 +8,7 @@ use common::statistics::{SIGNIFICANCE, assert_mean, same};
 use huygens::estimate::Running;
 use huygens::film::{Job, SampleBuffer, Tile};
 use huygens::reference::Reference;
-use huygens::scene::Scene;
+use huygens::scene::{Scene, Sky};
 use huygens::settings::{Settings, Strategy};
 use std::sync::atomic::AtomicBool;
 
@@ -68,7 +68,7 @@ fn the_deepest_recursion_fits_a_thread_and_closes_the_furnace() {
 #[test]
 fn a_lambertian_floor_under_a_sky_reflects_its_albedo() {
     let mut scene = floor_from_above(0.3, Builder::new());
-    scene.sky = Some([2.0, 2.0, 2.0]);
+    scene.sky = Some(Sky::constant([2.0, 2.0, 2.0]));
     let reflected = mean(&scene, &settings(Strategy::Uniform, 1, 16_384));
     assert_mean("floor", (&reflected).into(), 2.0 * f64::from(0.3f32), 1);
     // A ray that meets nothing sees the sky itself.

@@ -193,6 +193,7 @@ fn a_bare_obj_gets_a_camera_and_a_sky() {
     let scene = scene::load(&path).unwrap();
     keeps_its_promises(&scene);
     assert_eq!(scene.name, "plain");
-    assert_eq!(scene.sky, Some([1.0; 3]));
+    let sky = scene.sky.expect("nothing in it emits");
+    assert_eq!((sky.zenith, sky.nadir), ([1.5; 3], [0.3; 3]));
     assert_eq!(scene.warnings, Vec::<String>::new());
 }

@@ -12,7 +12,7 @@ mod common;
 use common::picture::{Picture, by_reference, by_wave};
 use common::scenes::{Builder, camera_along_z, cornell_box};
 use common::statistics::{SIGNIFICANCE, same};
-use huygens::scene::Scene;
+use huygens::scene::{Scene, Sky};
 use huygens::settings::{Integrator, Settings, Strategy};
 
 const STORED: &str = include_str!("data/cornell-box.txt");
@@ -213,7 +213,10 @@ fn lamp_under_sky() -> Scene {
         ],
     );
     let mut scene = b.scene(camera_along_z([0.0; 3], -1.0, 0.7), 6, 6);
-    scene.sky = Some([0.5, 0.7, 1.0]);
+    scene.sky = Some(Sky {
+        zenith: [0.5, 0.7, 1.0],
+        nadir: [0.4, 0.1, 0.0],
+    });
     scene
 }
 

@@ -13,7 +13,8 @@ mod rays;
 
 use huygens::geometry::Geometry;
 use huygens::scene::Mesh;
-use huygens_kernels::{flight, traverse};
+use huygens_kernels::few::Triangle;
+use huygens_kernels::{few, flight, traverse};
 use rays::{Answers, RayBuffer};
 
 /// Rays in a call.
@@ -53,40 +54,59 @@ fn measure(name: &str, mesh: &Mesh) {
     let b2 = rays::diffuse(mesh, &b1, &trace(&geometry, &b1), 2);
     let sh1 = rays::shadow(mesh, &camera, &trace(&geometry, &camera), 3);
     let bvh = geometry.bvh();
-    type Closest<'a> = &'a dyn Fn(&RayBuffer, &mut Answers, usize, usize);
-    let closest: [(&str, Closest); 4] = [
-        ("one", &|r, a, i, n| {
-            traverse::closest(bvh, r.rays(i, n), a.hits(i, n));
-        }),
-        ("8", &|r, a, i, n| {
-            flight::closest::<8>(bvh, r.rays(i, n), a.hits(i, n));
-        }),
-        ("16", &|r, a, i, n| {
-            flight::closest::<16>(bvh, r.rays(i, n), a.hits(i, n));
-        }),
-        ("32", &|r, a, i, n| {
-            flight::closest::<32>(bvh, r.rays(i, n), a.hits(i, n));
-        }),
+    let triangles: Vec<Triangle> = (0..mesh.triangles().min(1000))
+        .map(|i| Triangle {
+            primitive: i as u32,
+            corners: mesh.corners(i),
+        })
+        .collect();
+    let mut closest: Vec<(&str, Box<Run>)> = vec![
+        (
+            "one",
+            Box::new(|r, a, i, n| traverse::closest(bvh, r.rays(i, n), a.hits(i, n))),
+        ),
+        (
+            "8",
+            Box::new(|r, a, i, n| flight::closest::<8>(bvh, r.rays(i, n), a.hits(i, n))),
+        ),
+        (
+            "32",
+            Box::new(|r, a, i, n| flight::closest::<32>(bvh, r.rays(i, n), a.hits(i, n))),
+        ),
     ];
+    let mut occluded: Vec<(&str, Box<Run>)> = vec![
+        (
+            "one",
+            Box::new(|r, a, i, n| traverse::occluded(bvh, r.segments(i, n), a.occluded(i, n))),
+        ),
+        (
+            "8",
+            Box::new(|r, a, i, n| flight::occluded::<8>(bvh, r.segments(i, n), a.occluded(i, n))),
+        ),
+        (
+            "32",
+            Box::new(|r, a, i, n| flight::occluded::<32>(bvh, r.segments(i, n), a.occluded(i, n))),
+        ),
+    ];
+    if triangles.len() == mesh.triangles() {
+        let all = &triangles;
+        closest.push((
+            "few",
+            Box::new(|r, a, i, n| few::closest(all, r.rays(i, n), a.hits(i, n))),
+        ));
+        occluded.push((
+            "few",
+            Box::new(|r, a, i, n| few::occluded(all, r.segments(i, n), a.occluded(i, n))),
+        ));
+    }
     for (kind, set) in [("camera", &camera), ("b1", &b1), ("b2", &b2)] {
         report(kind, set, &closest);
     }
-    let occluded: [(&str, Closest); 4] = [
-        ("one", &|r, a, i, n| {
-            traverse::occluded(bvh, r.segments(i, n), a.occluded(i, n));
-        }),
-        ("8", &|r, a, i, n| {
-            flight::occluded::<8>(bvh, r.segments(i, n), a.occluded(i, n));
-        }),
-        ("16", &|r, a, i, n| {
-            flight::occluded::<16>(bvh, r.segments(i, n), a.occluded(i, n));
-        }),
-        ("32", &|r, a, i, n| {
-            flight::occluded::<32>(bvh, r.segments(i, n), a.occluded(i, n));
-        }),
-    ];
     report("sh1", &sh1, &occluded);
 }
+
+/// A kernel over some of the rays.
+type Run<'a> = dyn Fn(&RayBuffer, &mut Answers, usize, usize) + 'a;
 
 fn trace(geometry: &Geometry, rays: &RayBuffer) -> Answers {
     let mut answers = Answers::new(rays.len());
@@ -98,11 +118,7 @@ fn trace(geometry: &Geometry, rays: &RayBuffer) -> Answers {
     answers
 }
 
-fn report(
-    kind: &str,
-    rays: &RayBuffer,
-    variants: &[(&str, &dyn Fn(&RayBuffer, &mut Answers, usize, usize))],
-) {
+fn report(kind: &str, rays: &RayBuffer, variants: &[(&str, Box<Run>)]) {
     let mut answers = Answers::new(rays.len());
     // Small sets are repeated until a round takes long enough to time.
     let repeats = (1 << 17) / rays.len().max(1) + 1;

@@ -6,8 +6,10 @@ use huygens::scene::Mesh;
 pub(crate) type Maker = fn() -> Mesh;
 
 /// Name and maker of each mesh.
-pub(crate) const ALL: [(&str, Maker); 5] = [
+pub(crate) const ALL: [(&str, Maker); 7] = [
     ("cornell", cornell),
+    ("boxes8", || boxes(8)),
+    ("boxes16", || boxes(16)),
     ("hall", || hall(700)),
     ("clutter", || hall(9000)),
     ("sticks", sticks),
@@ -99,6 +101,18 @@ fn cornell() -> Mesh {
     ]);
     mesh.block([0.35, -0.7, 0.3], [0.3, 0.3, 0.3], 0.3);
     mesh.block([-0.35, -0.4, -0.3], [0.3, 0.6, 0.3], -0.3);
+    mesh.finish()
+}
+
+/// A room with `n` boxes: 12 triangles each, and 12 for the room.
+fn boxes(n: usize) -> Mesh {
+    let mut mesh = Builder::default();
+    let mut random = Random(5);
+    mesh.block([0.; 3], [1.; 3], 0.);
+    for _ in 0..n {
+        let at = [(); 3].map(|()| 1.6 * random.unit() - 0.8);
+        mesh.block(at, [0.15; 3], 6.0 * random.unit());
+    }
     mesh.finish()
 }
 

@@ -18,7 +18,7 @@ use crate::hemisphere::{UNIFORM_PDF, sample_uniform, to_world};
 use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask, gather, gather_u32, to_f32, to_u32};
 use crate::rays::NO_PRIMITIVE;
 use crate::surface::{Corners, spawn};
-use crate::tables::Tables;
+use crate::tables::{Lights, Tables};
 use crate::vec3::Vec3x;
 
 /// A pdf per unit area at a point seen under `cos_l > 0` at squared distance `r2`, as a pdf per
@@ -27,6 +27,16 @@ use crate::vec3::Vec3x;
 #[must_use]
 pub fn area_to_solid_angle(area_pdf: Fx, r2: Fx, cos_l: Fx) -> Fx {
     area_pdf * r2 / cos_l
+}
+
+/// Radiance of the sky from unit `direction`: `nadir + (zenith - nadir) (1 + y) / 2`.
+#[inline(always)]
+#[must_use]
+pub fn sky_radiance(lights: &Lights, direction: Vec3x) -> Vec3x {
+    let half = Fx::splat(0.5);
+    let height = direction.y.mul_add(half, half);
+    let nadir = Vec3x::splat(lights.nadir);
+    (Vec3x::splat(lights.zenith) - nadir).scale_add(height, nadir)
 }
 
 /// The light that `u0` and `u1` select, both in `[0, 1)`.
@@ -130,13 +140,14 @@ fn sample_triangle(tables: &Tables, origin: Vec3x, primitive: Ux, u: Fx, v: Fx) 
 #[inline(always)]
 fn sample_sky(tables: &Tables, normal: Vec3x, u: Fx, v: Fx) -> LightSample {
     let direction = to_world(normal, sample_uniform(u, v));
+    let lights = &tables.lights;
     LightSample {
         segment: direction,
         t_max: Fx::splat(f32::INFINITY),
         primitive: Ux::splat(NO_PRIMITIVE),
         direction,
-        radiance: Vec3x::splat(tables.lights.sky),
-        pdf: Fx::splat(tables.lights.sky_selection * UNIFORM_PDF),
+        radiance: sky_radiance(lights, direction),
+        pdf: Fx::splat(lights.sky_selection * UNIFORM_PDF),
         valid: normal.dot(direction).simd_gt(Fx::ZERO),
     }
 }

@@ -4,8 +4,8 @@
 //! * depth: the distance along the ray;
 //! * albedo: the diffuse reflectance.
 
-use crate::accumulate::add;
-use crate::lanes::{Fx, LANES, first, gather, gather_u32, load_u32, padded};
+use crate::accumulate::{add, report};
+use crate::lanes::{Fx, gather, gather_u32};
 use crate::queues::Listed;
 use crate::surface::Surface;
 use crate::tables::Tables;
@@ -22,31 +22,29 @@ pub enum Look {
     Albedo,
 }
 
-/// Adds the look of the listed paths to their samples.
-pub fn look(look: Look, listed: Listed, tables: &Tables, radiance: &mut ColumnsMut) {
-    let Listed {
-        index,
-        len: n,
-        paths,
-        hits,
-    } = listed;
-    for i in (0..padded(n)).step_by(LANES) {
-        let at = load_u32(index, i);
-        let direction = Vec3x::gather_columns(paths.direction, at);
-        let primitive = gather_u32(hits.primitive, at);
-        let (u, v) = (gather(hits.u, at), gather(hits.v, at));
-        let surface = Surface::at(&tables.triangles, primitive, u, v, direction);
+/// Adds the look of the listed paths to their samples. `dropped` is called with the slot of each value
+/// that is not finite.
+pub fn look(
+    look: Look,
+    listed: Listed,
+    tables: &Tables,
+    radiance: &mut ColumnsMut,
+    mut dropped: impl FnMut(u32),
+) {
+    for (_, at, busy) in listed.vectors() {
+        let surface = Surface::met(&listed, &tables.triangles, at);
         let value = match look {
             Look::Normals => {
                 let half = Fx::splat(0.5);
                 surface.normal.scale_add(half, Vec3x::new(half, half, half))
             }
             Look::Depth => {
-                let t = gather(hits.t, at);
+                let t = gather(listed.hits.t, at);
                 Vec3x::new(t, t, t)
             }
             Look::Albedo => Vec3x::gather_columns(tables.materials.albedo, surface.material),
         };
-        let _ = add(radiance, gather_u32(paths.slot, at), value, first(n - i));
+        let slot = gather_u32(listed.paths.slot, at);
+        report(add(radiance, slot, value, busy), slot, &mut dropped);
     }
 }

@@ -156,7 +156,9 @@ impl Query for ClosestHit<'_, '_> {
         let lane = primitive.simd_eq(chosen).to_bitmask().trailing_zeros() as usize & 3;
         let (t, primitive) = (least.as_array()[0], chosen.as_array()[0]);
         let current = state.t.to_bits();
-        let better = t < current || (t == current && primitive < state.primitive);
+        // One comparison for distance and index: two would become a branch.
+        let key = |t: u32, primitive: u32| u64::from(t) << 32 | u64::from(primitive);
+        let better = key(t, primitive) < key(current, state.primitive);
         let take = |new: f32, old: f32| f32::from_bits(pick(better, new.to_bits(), old.to_bits()));
         state.u = take(found.u.as_array()[lane], state.u);
         state.v = take(found.v.as_array()[lane], state.v);

@@ -1,5 +1,6 @@
 //! The queues of the wave: what a path is between two stages.
 
+use crate::lanes::{LANES, Mask, Ux, first, gather_u32, load_u32, padded};
 use crate::soa;
 
 /// Set in `bounces` of a path that may find light but does not scatter again.
@@ -54,6 +55,43 @@ pub struct Listed<'a> {
     pub paths: Paths<'a>,
     /// Their hits.
     pub hits: PathHits<'a>,
+}
+
+impl<'a> Listed<'a> {
+    /// A vector of paths at a time: the place of its first item in the list, the paths' places in
+    /// the queue, and which lanes hold one.
+    #[inline(always)]
+    pub fn vectors(self) -> impl Iterator<Item = (usize, Ux, Mask)> + 'a {
+        let start = (0..padded(self.len)).step_by(LANES);
+        start.map(move |i| (i, load_u32(self.index, i), first(self.len - i)))
+    }
+}
+
+/// Which paths the lanes of a vector hold: what names their random numbers and their samples.
+#[derive(Clone, Copy, Debug)]
+pub struct Identity {
+    /// Camera sample in the job.
+    pub slot: Ux,
+    /// The pixel's name to the sampler.
+    pub pixel: Ux,
+    /// Sample index within the pixel.
+    pub sample: Ux,
+    /// Scattering events so far.
+    pub bounces: Ux,
+}
+
+impl Paths<'_> {
+    /// The identities of the paths at places `at` of the queue.
+    #[inline(always)]
+    #[must_use]
+    pub fn identity(&self, at: Ux) -> Identity {
+        Identity {
+            slot: gather_u32(self.slot, at),
+            pixel: gather_u32(self.pixel, at),
+            sample: gather_u32(self.sample, at),
+            bounces: gather_u32(self.bounces, at),
+        }
+    }
 }
 
 soa! {

@@ -17,12 +17,12 @@
 
 use crate::compact::Kept;
 use crate::hemisphere::{UNIFORM_PDF, cosine_pdf, sample_cosine, sample_uniform, to_world};
-use crate::lanes::{Fx, LANES, Ux, as_mask, first, gather, gather_u32, load_u32, padded};
-use crate::lanes::{store, store_u32};
+use crate::lanes::{Fx, Ux, as_mask, store, store_u32};
 use crate::light::sample_light;
 use crate::math::INV_PI;
 use crate::mis::power_heuristic;
-use crate::queues::{Listed, PathsMut, ShadowsMut};
+use crate::queues::{Identity, Listed, PathsMut, ShadowsMut};
+use crate::rays::NO_PRIMITIVE;
 use crate::rng::{Block, Sampler, block};
 use crate::surface::Surface;
 use crate::tables::Tables;
@@ -117,6 +117,12 @@ pub struct Out<'a> {
     pub shadow_len: usize,
 }
 
+/// The four numbers that `path` draws for `what`.
+#[inline(always)]
+fn draw<S: Sampler>(sampler: S, path: &Identity, what: Block) -> [Fx; 4] {
+    sampler.draw4(path.pixel, path.sample, block(path.bounces, what))
+}
+
 /// Scatters the listed paths. Returns the number of occlusion rays then in `out.shadows`.
 pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(
     listed: Listed,
@@ -124,32 +130,14 @@ pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(
     sampler: S,
     mut out: Out,
 ) -> usize {
-    let Listed {
-        index,
-        len: n,
-        paths,
-        hits,
-    } = listed;
-    for i in (0..padded(n)).step_by(LANES) {
-        let at = load_u32(index, i);
-        let busy = first(n - i);
-        let direction = Vec3x::gather_columns(paths.direction, at);
-        let primitive = gather_u32(hits.primitive, at);
-        let surface = Surface::at(
-            &tables.triangles,
-            primitive,
-            gather(hits.u, at),
-            gather(hits.v, at),
-            direction,
-        );
+    for (i, at, busy) in listed.vectors() {
+        let surface = Surface::met(&listed, &tables.triangles, at);
+        let primitive = surface.primitive;
         let albedo = Vec3x::gather_columns(tables.materials.albedo, surface.material);
-        let reflected = Vec3x::gather_columns(paths.throughput, at).product(albedo);
-        let slot = gather_u32(paths.slot, at);
-        let pixel = gather_u32(paths.pixel, at);
-        let sample = gather_u32(paths.sample, at);
-        let bounces = gather_u32(paths.bounces, at);
+        let reflected = Vec3x::gather_columns(listed.paths.throughput, at).product(albedo);
+        let path = listed.paths.identity(at);
 
-        let [u, v, ..] = sampler.draw4(pixel, sample, block(bounces, Block::Direction));
+        let [u, v, ..] = draw(sampler, &path, Block::Direction);
         let local = D::sample(u, v);
         let next = to_world(surface.normal, local);
         let p = &mut out.paths;
@@ -158,13 +146,13 @@ pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(
         (reflected * D::weight(local.z)).store(&mut p.throughput, i);
         store(p.pdf, i, D::pdf(local.z));
         store_u32(p.leaves, i, primitive);
-        store_u32(p.slot, i, slot);
-        store_u32(p.pixel, i, pixel);
-        store_u32(p.sample, i, sample);
-        store_u32(p.bounces, i, bounces + Ux::ONE);
+        store_u32(p.slot, i, path.slot);
+        store_u32(p.pixel, i, path.pixel);
+        store_u32(p.sample, i, path.sample);
+        store_u32(p.bounces, i, path.bounces + Ux::ONE);
 
         if N::LIGHTS {
-            let u = sampler.draw4(pixel, sample, block(bounces, Block::Light));
+            let u = draw(sampler, &path, Block::Light);
             let light = sample_light(tables, surface.origin, surface.normal, u);
             let cos = surface.normal.dot(light.direction);
             let weight = if N::WEIGHTED {
@@ -188,8 +176,8 @@ pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(
             kept.store3(&mut s.radiance, to, radiance);
             kept.store_u32(s.leaves, to, primitive);
             kept.store_u32(s.reaches, to, light.primitive);
-            kept.store_u32(s.slot, to, slot);
-            kept.store_u32(s.bounces, to, bounces);
+            kept.store_u32(s.slot, to, path.slot);
+            kept.store_u32(s.bounces, to, path.bounces);
             out.shadow_len += kept.count;
         }
     }
@@ -206,32 +194,20 @@ pub fn ambient<D: Directions, S: Sampler>(
     distance: f32,
     mut s: ShadowsMut,
 ) -> usize {
-    let Listed {
-        index,
-        len: n,
-        paths,
-        hits,
-    } = listed;
-    for i in (0..padded(n)).step_by(LANES) {
-        let at = load_u32(index, i);
-        let primitive = gather_u32(hits.primitive, at);
-        let direction = Vec3x::gather_columns(paths.direction, at);
-        let (u, v) = (gather(hits.u, at), gather(hits.v, at));
-        let surface = Surface::at(&tables.triangles, primitive, u, v, direction);
-        let pixel = gather_u32(paths.pixel, at);
-        let sample = gather_u32(paths.sample, at);
-        let bounces = gather_u32(paths.bounces, at);
-        let [u, v, ..] = sampler.draw4(pixel, sample, block(bounces, Block::Direction));
+    for (i, at, _) in listed.vectors() {
+        let surface = Surface::met(&listed, &tables.triangles, at);
+        let path = listed.paths.identity(at);
+        let [u, v, ..] = draw(sampler, &path, Block::Direction);
         let local = D::sample(u, v);
         let weight = D::weight(local.z);
         surface.origin.store(&mut s.origin, i);
         to_world(surface.normal, local).store(&mut s.direction, i);
         store(s.t_max, i, Fx::splat(distance));
         Vec3x::new(weight, weight, weight).store(&mut s.radiance, i);
-        store_u32(s.leaves, i, primitive);
-        store_u32(s.reaches, i, Ux::splat(crate::rays::NO_PRIMITIVE));
-        store_u32(s.slot, i, gather_u32(paths.slot, at));
-        store_u32(s.bounces, i, bounces);
+        store_u32(s.leaves, i, surface.primitive);
+        store_u32(s.reaches, i, Ux::splat(NO_PRIMITIVE));
+        store_u32(s.slot, i, path.slot);
+        store_u32(s.bounces, i, path.bounces);
     }
-    n
+    listed.len
 }

@@ -92,7 +92,7 @@ impl Column for Vec3 {
     }
 }
 
-/// A set of columns, as [`soa!`](crate::soa) declares it.
+/// A set of columns, as [`soa!`](macro@crate::soa) declares it.
 pub trait Layout {
     /// Shared view of all columns.
     type View<'a>;

@@ -15,7 +15,8 @@
 //!
 //! The triangle that a ray leaves is also excluded by index, which is exact.
 
-use crate::lanes::{Fx, Mask, Ux, as_mask, gather_u32};
+use crate::lanes::{Fx, Mask, Ux, as_mask, gather, gather_u32};
+use crate::queues::Listed;
 use crate::tables::Triangles;
 use crate::vec3::Vec3x;
 
@@ -109,6 +110,8 @@ pub struct Surface {
     pub front: Mask,
     /// Cosine between `normal` and the direction back along the ray.
     pub cos_o: Fx,
+    /// The triangle.
+    pub primitive: Ux,
     /// Material index.
     pub material: Ux,
 }
@@ -129,8 +132,23 @@ impl Surface {
             normal,
             front,
             cos_o: cos.abs(),
+            primitive,
             material: gather_u32(triangles.material, primitive),
         }
+    }
+
+    /// Where the listed paths at places `at` of the queue ended up.
+    #[inline(always)]
+    #[must_use]
+    pub fn met(listed: &Listed, triangles: &Triangles, at: Ux) -> Self {
+        let hits = &listed.hits;
+        Self::at(
+            triangles,
+            gather_u32(hits.primitive, at),
+            gather(hits.u, at),
+            gather(hits.v, at),
+            Vec3x::gather_columns(listed.paths.direction, at),
+        )
     }
 
     /// True where the material emits towards the path.

@@ -47,8 +47,10 @@ pub struct Lights<'a> {
     pub alias: &'a [u32],
     /// Triangle of light `i`; `NO_PRIMITIVE` for the sky.
     pub primitive: &'a [u32],
-    /// Radiance of the sky; black if there is none.
-    pub sky: [f32; 3],
+    /// Radiance of the sky from straight above (+y); black if there is no sky.
+    pub zenith: [f32; 3],
+    /// Radiance of the sky from straight below.
+    pub nadir: [f32; 3],
     /// Probability to select the sky.
     pub sky_selection: f32,
 }

@@ -16,7 +16,8 @@
 //! Input: any finite triangles and origins; directions as [`Shear::new`] takes them. A triangle
 //! seen edge-on, or without area, is never hit. Reads 160 bytes a block.
 
-use crate::bvh::{BLOCK, Block};
+use crate::bvh::Block;
+use crate::vector::Lanes;
 use wide::f32x4;
 
 /// Edge functions below this, and triangles whose doubled area, seen from the ray, is above its
@@ -37,18 +38,17 @@ pub struct Shear {
     inverse: f32,
 }
 
-/// What a block's four triangles answer, before anyone asks which answer is wanted.
+/// What a test answers lane by lane, before anyone asks which answer is wanted.
 #[derive(Clone, Copy, Debug)]
-pub struct Candidates {
-    /// True for each triangle that the ray's line meets at `t > 0`; elsewhere the rest is
-    /// unspecified.
-    pub met: f32x4,
+pub struct Candidates<V> {
+    /// True where the ray's line meets the triangle at `t > 0`; elsewhere the rest is unspecified.
+    pub met: V,
     /// Distances.
-    pub t: f32x4,
+    pub t: V,
     /// Barycentric weight of the second corner, at least 0.
-    pub u: f32x4,
+    pub u: V,
     /// Barycentric weight of the third corner, at least 0; `u + v` is at most 1 to rounding.
-    pub v: f32x4,
+    pub v: V,
 }
 
 /// A direction with its largest component in `[1, 2)`, and the power of two that made it so.
@@ -69,19 +69,26 @@ pub fn normalize_exponent(direction: [f32; 3]) -> Option<([f32; 3], f64)> {
     Some((direction.map(|d| (f64::from(d) * scale) as f32), scale))
 }
 
+/// The axis of the largest component; of equally large ones the last.
+#[inline(always)]
+#[must_use]
+pub fn main_axis(direction: [f32; 3]) -> usize {
+    let [x, y, z] = direction.map(f32::abs);
+    if x > y && x > z {
+        0
+    } else if y > z {
+        1
+    } else {
+        2
+    }
+}
+
 impl Shear {
     /// Prepares a ray whose direction [`normalize_exponent`] returned.
     #[inline(always)]
     #[must_use]
     pub fn new(origin: [f32; 3], direction: [f32; 3]) -> Self {
-        let [x, y, z] = direction.map(f32::abs);
-        let main = if x > y && x > z {
-            0
-        } else if y > z {
-            1
-        } else {
-            2
-        };
+        let main = main_axis(direction);
         let axes = [(main + 1) % 3, (main + 2) % 3, main];
         let d = axes.map(|a| direction[a]);
         Self {
@@ -95,64 +102,124 @@ impl Shear {
     /// Which triangles of `block` the ray meets, and where.
     #[inline(always)]
     #[must_use]
-    pub fn test(&self, block: &Block) -> Candidates {
+    pub fn test(&self, block: &Block) -> Candidates<f32x4> {
+        let (found, sure) = self.view(block).meet();
+        if sure.all() {
+            return found;
+        }
+        // Field by field: handed on whole, it would go through memory on the usual way too.
+        let exact = self.test_exactly(block);
+        Candidates {
+            met: exact.met,
+            t: exact.t,
+            u: exact.u,
+            v: exact.v,
+        }
+    }
+
+    /// Starts over, so that nothing has to be kept for it on the usual way.
+    #[cold]
+    #[inline(never)]
+    fn test_exactly(&self, block: &Block) -> Candidates<f32x4> {
+        self.view(block).meet_exactly()
+    }
+
+    #[inline(always)]
+    fn view(&self, block: &Block) -> View<f32x4> {
         // The remainder tells the compiler that no index is out of range.
         let axes = self.axes.map(|a| (a % 3) as usize);
-        let [ox, oy, oz] = self.origin.map(f32x4::splat);
-        let [sx, sy] = self.shear.map(f32x4::splat);
-        let corner = |c: usize| {
-            let vertex = &block.vertex[c];
-            let z = vertex[axes[2]] - oz;
-            let x = sx.mul_neg_add(z, vertex[axes[0]] - ox);
-            let y = sy.mul_neg_add(z, vertex[axes[1]] - oy);
-            [x, y, z]
-        };
-        let (a, b, c) = (corner(0), corner(1), corner(2));
-        let edge = |p: [f32x4; 3], q: [f32x4; 3]| p[0] * q[1] - p[1] * q[0];
-        let (wa, wb, wc) = (edge(c, b), edge(a, c), edge(b, a));
-        let det = wa + wb + wc;
+        View {
+            corners: block.vertex.each_ref().map(|v| axes.map(|a| v[a])),
+            origin: self.origin.map(f32x4::splat),
+            slope: self.shear.map(f32x4::splat),
+            inverse: f32x4::splat(self.inverse),
+        }
+    }
+}
 
-        let zero = f32x4::ZERO;
-        let negative = wa.simd_lt(zero) | wb.simd_lt(zero) | wc.simd_lt(zero);
-        let positive = wa.simd_gt(zero) | wb.simd_gt(zero) | wc.simd_gt(zero);
+/// A triangle and a ray in every lane, along the ray's axes first, second, main.
+#[derive(Clone, Copy, Debug)]
+pub struct View<V> {
+    /// The triangle's corners.
+    pub corners: [[V; 3]; 3],
+    /// The ray's origin.
+    pub origin: [V; 3],
+    /// The direction's first and second component over its main one.
+    pub slope: [V; 2],
+    /// 1 over the direction's main component.
+    pub inverse: V,
+}
+
+/// Corners and edge functions as the ray sees them.
+struct Sheared<V> {
+    corners: [[V; 3]; 3],
+    weights: [V; 3],
+}
+
+impl<V: Lanes> View<V> {
+    #[inline(always)]
+    fn shear(&self) -> Sheared<V> {
+        let corners = self.corners.map(|v| {
+            let z = v[2] - self.origin[2];
+            let x = self.slope[0].mul_neg_add(z, v[0] - self.origin[0]);
+            let y = self.slope[1].mul_neg_add(z, v[1] - self.origin[1]);
+            [x, y, z]
+        });
+        let [a, b, c] = corners;
+        let edge = |p: [V; 3], q: [V; 3]| p[0] * q[1] - p[1] * q[0];
+        Sheared {
+            corners,
+            weights: [edge(c, b), edge(a, c), edge(b, a)],
+        }
+    }
+
+    /// The test in f32, and where it is sure: elsewhere [`View::meet_exactly`] must be asked.
+    #[inline(always)]
+    #[must_use]
+    pub fn meet(&self) -> (Candidates<V>, V) {
+        let Sheared {
+            corners: [a, b, c],
+            weights: [wa, wb, wc],
+        } = self.shear();
+        let det = wa + wb + wc;
+        let zero = V::splat(0.0);
+        let negative = wa.less(zero) | wb.less(zero) | wc.less(zero);
+        let positive = zero.less(wa) | zero.less(wb) | zero.less(wc);
         let least = wa.abs().fast_min(wb.abs().fast_min(wc.abs()));
-        let sure = least.simd_ge(f32x4::splat(SURE)) & det.abs().simd_le(f32x4::splat(1.0 / SURE));
+        let sure = V::splat(SURE).at_most(least) & det.abs().at_most(V::splat(1.0 / SURE));
         // The weights are divided before they meet a distance: their products with it would
         // overflow or vanish long before they do. What is computed for lanes that are not met is
         // computed in vain; a branch around it would be mispredicted every other time.
-        let share = f32x4::ONE / det;
+        let share = V::splat(1.0) / det;
         let (ua, ub, uc) = (wa * share, wb * share, wc * share);
         let depth = ua.mul_add(a[2], ub.mul_add(b[2], uc * c[2]));
-        let t = depth * f32x4::splat(self.inverse);
-        let mut candidates = Candidates {
-            met: !(negative & positive) & t.simd_gt(zero),
+        let t = depth * self.inverse;
+        let found = Candidates {
+            met: !(negative & positive) & zero.less(t),
             t,
             // Adding 0 turns -0 into 0.
             u: ub + zero,
             v: uc + zero,
         };
-        if !sure.all() {
-            self.decide_exactly(sure, [a, b, c], [wa, wb, wc], &mut candidates);
-        }
-        candidates
+        (found, sure)
     }
 
-    /// The same test in f64 for the lanes that are not `sure`, from the same sheared corners. An edge
-    /// that is not in doubt keeps its f32 value: the neighbour beyond that edge decided by it.
-    #[cold]
-    #[inline(never)]
-    fn decide_exactly(
-        &self,
-        sure: f32x4,
-        corners: [[f32x4; 3]; 3],
-        weights: [f32x4; 3],
-        out: &mut Candidates,
-    ) {
-        let sure = sure.to_bitmask();
-        for lane in (0..BLOCK).filter(|lane| sure >> lane & 1 == 0) {
-            let [a, b, c] = corners.map(|p| p.map(|e| f64::from(e.as_array()[lane])));
-            let edge = |single: f32x4, p: [f64; 3], q: [f64; 3]| {
-                let single = single.as_array()[lane];
+    /// The test, with the lanes that f32 is not sure of decided in f64 from the same sheared
+    /// corners. An edge that is not in doubt keeps its f32 value: the neighbour beyond that edge
+    /// decided by it.
+    #[must_use]
+    pub fn meet_exactly(&self) -> Candidates<V> {
+        let (mut out, sure) = self.meet();
+        let sheared = self.shear();
+        for lane in 0..sure.lanes().len() {
+            if sure.lanes()[lane].to_bits() != 0 {
+                continue;
+            }
+            let [a, b, c] = sheared
+                .corners
+                .map(|p| p.map(|e| f64::from(e.lanes()[lane])));
+            let edge = |single: V, p: [f64; 3], q: [f64; 3]| {
+                let single = single.lanes()[lane];
                 if single.is_finite() && single.abs() >= SURE {
                     f64::from(single)
                 } else {
@@ -160,20 +227,21 @@ impl Shear {
                 }
             };
             let w = [
-                edge(weights[0], c, b),
-                edge(weights[1], a, c),
-                edge(weights[2], b, a),
+                edge(sheared.weights[0], c, b),
+                edge(sheared.weights[1], a, c),
+                edge(sheared.weights[2], b, a),
             ];
             let det = w[0] + w[1] + w[2];
             let inside = w.iter().all(|&e| e >= 0.0) || w.iter().all(|&e| e <= 0.0);
             let depth = (w[0] * a[2] + w[1] * b[2] + w[2] * c[2]) / det;
-            let t = (depth * f64::from(self.inverse)) as f32;
+            let t = (depth * f64::from(self.inverse.lanes()[lane])) as f32;
             // A det of 0, or a corner that overflowed, leaves NaN or infinity in t.
             let met = inside && det != 0.0 && t > 0.0 && t < f32::INFINITY;
-            out.met.as_mut_array()[lane] = f32::from_bits(if met { !0 } else { 0 });
-            out.t.as_mut_array()[lane] = t;
-            out.u.as_mut_array()[lane] = (w[1] / det) as f32 + 0.0;
-            out.v.as_mut_array()[lane] = (w[2] / det) as f32 + 0.0;
+            out.met.lanes_mut()[lane] = f32::from_bits(if met { !0 } else { 0 });
+            out.t.lanes_mut()[lane] = t;
+            out.u.lanes_mut()[lane] = (w[1] / det) as f32 + 0.0;
+            out.v.lanes_mut()[lane] = (w[2] / det) as f32 + 0.0;
         }
+        out
     }
 }

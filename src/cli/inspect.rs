@@ -4,7 +4,10 @@ mod contents;
 mod text;
 
 use crate::cli::failure::{Failure, warn};
+use crate::cli::load::load;
 use crate::cli::options::SceneOptions;
+use crate::cli::progress::Progress;
+use crate::cli::summary::plural;
 use crate::cli::text::out;
 use contents::Contents;
 use huygens::geometry::{Geometry, Preset};
@@ -29,9 +32,16 @@ pub(crate) struct Args {
 /// Runs `huygens inspect`.
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let path = &args.scene.scene;
-    let scene = args.scene.load()?;
+    let progress = Progress::new(false);
+    let scene = load(&args.scene, None, progress)?.scene;
     warn(&scene.warnings, args.scene.strict)?;
-    let geometry = Geometry::build_with(&scene.mesh, args.bvh.unwrap_or(scene.settings.bvh));
+    let label = format!(
+        "build over {}",
+        plural(scene.mesh.triangles() as u64, "triangle")
+    );
+    let preset = args.bvh.unwrap_or(scene.settings.bvh);
+    let build = || Geometry::build_with(&scene.mesh, preset);
+    let (geometry, _) = progress.phase(&label, build);
     let contents = Contents::of(&scene, path, &geometry.memory());
     if args.json {
         let json = serde_json::to_string_pretty(&contents).into_diagnostic();

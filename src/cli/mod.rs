@@ -1,9 +1,13 @@
 //! The command line: arguments and printing, nothing else. One file a subcommand.
 
+mod accuracy;
+mod diff;
 mod failure;
 mod images;
 mod inspect;
 mod interrupt;
+mod load;
+mod memory;
 mod options;
 mod progress;
 mod render;
@@ -31,6 +35,8 @@ struct Cli {
 enum Command {
     Render(Box<render::Args>),
     Inspect(inspect::Args),
+    Accuracy(accuracy::Args),
+    Diff(diff::Args),
 }
 
 /// Runs the command line of this process.
@@ -40,6 +46,8 @@ pub(crate) fn main() -> ExitCode {
     let run = || match &cli.command {
         Command::Render(args) => render::run(args),
         Command::Inspect(args) => inspect::run(args),
+        Command::Accuracy(args) => accuracy::run(args),
+        Command::Diff(args) => diff::run(args),
     };
     let result = std::panic::catch_unwind(run).unwrap_or_else(|_| Err(Failure::defect()));
     match result {

@@ -1,28 +1,25 @@
 //! Options that several subcommands share, and parsers of their values.
 
-use crate::cli::failure::Failure;
+use crate::cli::memory;
 use clap::{Args, ValueEnum};
-use huygens::scene::{self, Filter, Scene};
+use huygens::scene::{Filter, Scene};
 use huygens::settings::{Integrator, Preset, Settings, Strategy};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// The scene, and how strictly it is taken.
 #[derive(Debug, Args)]
 pub(crate) struct SceneOptions {
-    /// Scene file: a native .toml scene, or a bare .obj
+    /// Scene file: a native .toml scene, or a bare .obj or .ply
     pub(crate) scene: PathBuf,
 
     /// Treat every warning about the scene or the options as an error (exit code 2)
     #[arg(long)]
     pub(crate) strict: bool,
-}
 
-impl SceneOptions {
-    /// Loads the scene; its warnings are not out yet.
-    pub(crate) fn load(&self) -> Result<Scene, Failure> {
-        let scene = scene::load(&self.scene).map_err(miette::Report::new);
-        scene.map_err(Failure::Input)
-    }
+    /// Refuse a scene that would need more memory than this, before reading it; such as 800M or 4G
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse, allow_negative_numbers = true)]
+    pub(crate) max_memory: Option<u64>,
 }
 
 /// What the image depends on. Whatever is left out comes from the scene file, or else from the
@@ -193,7 +190,8 @@ fn depth(text: &str) -> Result<Depth, String> {
         .ok_or_else(|| "expected 0 to 2147483647, or none".to_owned())
 }
 
-fn positive(text: &str) -> Result<f32, String> {
+/// A finite number above 0.
+pub(crate) fn positive(text: &str) -> Result<f32, String> {
     let number: Option<f32> = text.parse().ok();
     number
         .filter(|v| v.is_finite() && *v > 0.0)
@@ -206,6 +204,29 @@ pub(crate) fn stops(text: &str) -> Result<f32, String> {
     number
         .filter(|v| (-64.0..=64.0).contains(v))
         .ok_or_else(|| "expected a number of stops from -64 to 64".to_owned())
+}
+
+/// A time above 0: a number and `ms`, `s`, `m` or `h`; `s` if there is none.
+pub(crate) fn time(text: &str) -> Result<Duration, String> {
+    let (number, unit) = match text.find(|c: char| c.is_ascii_alphabetic()) {
+        Some(at) => text.split_at(at),
+        None => (text, "s"),
+    };
+    let scale = match unit.trim() {
+        "ms" => Some(1e-3),
+        "s" => Some(1.0),
+        "m" | "min" => Some(60.0),
+        "h" => Some(3600.0),
+        _ => None,
+    };
+    let number: Option<f64> = number.trim().parse().ok();
+    let seconds = number.zip(scale).map(|(n, scale)| n * scale);
+    // Beyond it a Duration would overflow.
+    let longest = 1e9;
+    seconds
+        .filter(|s| *s > 0.0 && *s <= longest)
+        .map(Duration::from_secs_f64)
+        .ok_or_else(|| "expected a time above 0, such as 90s, 500ms, 2m or 1h".to_owned())
 }
 
 #[cfg(test)]
@@ -229,6 +250,34 @@ mod tests {
         assert_eq!(depth("0"), Ok(Depth(Some(0))));
         assert_eq!(depth("2147483647"), Ok(Depth(Some(2_147_483_647))));
         assert!(depth("2147483648").is_err() && depth("-1").is_err() && depth("").is_err());
+    }
+
+    #[test]
+    fn times() {
+        for (text, seconds) in [
+            ("90s", 90.0),
+            ("90", 90.0),
+            ("1.5 s", 1.5),
+            ("500ms", 0.5),
+            ("2m", 120.0),
+            ("2min", 120.0),
+            ("1h", 3600.0),
+        ] {
+            assert_eq!(time(text), Ok(Duration::from_secs_f64(seconds)), "{text}");
+        }
+        for wrong in [
+            "",
+            "s",
+            "0s",
+            "-1s",
+            "nan",
+            "inf",
+            "1e30h",
+            "5 fortnights",
+            "1s2",
+        ] {
+            assert!(time(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -36,6 +36,32 @@ impl Progress {
         (result, seconds)
     }
 
+    /// Runs `work`, which goes through `all` bytes, under a bar that follows `done`, and returns its
+    /// result and its wall-clock seconds.
+    pub(crate) fn bytes<T>(
+        self,
+        label: &str,
+        all: u64,
+        done: impl Fn() -> u64 + Sync,
+        work: impl FnOnce() -> T,
+    ) -> (T, f64) {
+        let start = Instant::now();
+        let bar = self.bar(
+            Some(all),
+            "{msg} [{wide_bar}] {decimal_bytes} of {decimal_total_bytes} \
+             {decimal_bytes_per_sec} ETA {eta}",
+        );
+        bar.set_message(label.to_owned());
+        let result = self.watched(work, |finished| {
+            while !finished.load(Ordering::Relaxed) {
+                bar.set_position(done());
+                std::thread::park_timeout(TICK);
+            }
+            bar.finish_and_clear();
+        });
+        (result, start.elapsed().as_secs_f64())
+    }
+
     /// Runs `render` while a thread shows how far `control` says it is.
     pub(crate) fn render<T>(self, asked: u64, control: &Control, render: impl FnOnce() -> T) -> T {
         if !self.visible {
@@ -45,15 +71,24 @@ impl Progress {
             Some(asked),
             "render [{wide_bar}] {percent:>3}% {msg} ETA {eta}",
         );
-        let done = AtomicBool::new(false);
+        self.watched(render, |finished| watch(&bar, control, finished))
+    }
+
+    /// Runs `work` while a thread runs `watch`, until its flag says that the work is finished. Only
+    /// the work where nothing is shown.
+    fn watched<T>(self, work: impl FnOnce() -> T, watch: impl FnOnce(&AtomicBool) + Send) -> T {
+        if !self.visible {
+            return work();
+        }
+        let finished = AtomicBool::new(false);
         std::thread::scope(|scope| {
-            let watcher = scope.spawn(|| watch(&bar, control, &done));
+            let watcher = scope.spawn(|| watch(&finished));
             // On a panic too, or the scope would wait for the watcher for ever.
             let _finish = OnDrop(|| {
-                done.store(true, Ordering::Relaxed);
+                finished.store(true, Ordering::Relaxed);
                 watcher.thread().unpark();
             });
-            render()
+            work()
         })
     }
 

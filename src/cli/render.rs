@@ -3,6 +3,7 @@
 use crate::cli::failure::{Failure, warn};
 use crate::cli::images::{OutputOptions, Target};
 use crate::cli::interrupt::Interrupts;
+use crate::cli::load::{Loaded, load};
 use crate::cli::options::{self, ImageOptions, SceneOptions, WorkOptions};
 use crate::cli::progress::Progress;
 use crate::cli::stats::Stats;
@@ -53,9 +54,15 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let interrupts = Interrupts::watch()?;
     let progress = Progress::new(args.quiet);
 
-    let label = format!("load {}", path.display());
-    let (scene, load_seconds) = progress.phase(&label, || args.scene.load());
-    let mut scene = scene?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(args.work.threads.map_or(0, usize::from))
+        .build()
+        .map_err(|e| Failure::Other(miette::miette!("cannot start threads: {e}")))?;
+    let Loaded {
+        mut scene,
+        parse_seconds,
+        compile_seconds,
+    } = pool.install(|| load(&args.scene, args.image.size, progress))?;
     args.image.apply(&mut scene);
     args.work.apply(&mut scene.settings);
     let mut warnings = scene.warnings.clone();
@@ -64,10 +71,6 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     warn(&warnings, args.scene.strict)?;
     ensure_memory(&scene.film, physical_memory())?;
 
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(scene.settings.threads)
-        .build()
-        .map_err(|e| Failure::Other(miette::miette!("cannot start threads: {e}")))?;
     let label = format!(
         "build over {}",
         plural(scene.mesh.triangles() as u64, "triangle")
@@ -96,7 +99,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     warn(&written?, false)?;
     let name = |target: &Target| target.path.display().to_string();
     stats.outputs = targets.iter().map(name).collect();
-    stats.seconds.load = load_seconds;
+    stats.seconds.parse = parse_seconds;
+    stats.seconds.compile = compile_seconds;
     stats.seconds.build = build_seconds;
     stats.seconds.write = write_seconds;
     stats.seconds.total = start.elapsed().as_secs_f64();

@@ -12,7 +12,7 @@ use std::path::Path;
 
 /// Version of the layout. It grows when a field changes its meaning or goes; new fields may appear
 /// without that.
-pub(crate) const SCHEMA: u32 = 1;
+pub(crate) const SCHEMA: u32 = 2;
 
 /// The whole file.
 #[derive(Debug, Serialize)]
@@ -71,7 +71,8 @@ struct SettingsStats {
 /// Wall-clock seconds of each phase.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(crate) struct Seconds {
-    pub(crate) load: f64,
+    pub(crate) parse: f64,
+    pub(crate) compile: f64,
     pub(crate) build: f64,
     pub(crate) render: f64,
     pub(crate) write: f64,

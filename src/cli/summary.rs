@@ -15,8 +15,9 @@ pub(crate) fn summary(scene: &str, settings: &str, stats: &Stats) -> String {
     line(
         "time",
         format!(
-            "load {}, build {}, render {}, write {}",
-            seconds(s.load),
+            "parse {}, compile {}, build {}, render {}, write {}",
+            seconds(s.parse),
+            seconds(s.compile),
             seconds(s.build),
             seconds(s.render),
             seconds(s.write)
@@ -102,7 +103,7 @@ mod tests {
         let expected = "\
 test
   settings --spp 64
-  time     load 0.000 s, build 0.000 s, render 2.000 s, write 0.000 s
+  time     parse 0.000 s, compile 0.000 s, build 0.000 s, render 2.000 s, write 0.000 s
   samples  12.8 k, 6.40 ksamples/s on 2 threads
   rays     camera 12.8 k, bounce 20.0 k, shadow 7.20 k; 20.0 krays/s
   paths    mean depth 1.56

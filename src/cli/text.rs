@@ -40,6 +40,29 @@ pub(crate) fn seconds(value: f64) -> String {
     }
 }
 
+/// Seconds as three significant digits with a unit from ns to s: `12.3 ms`; from a minute on as
+/// [`seconds`].
+pub(crate) fn duration(value: f64) -> String {
+    if value >= 60.0 {
+        return seconds(value);
+    }
+    let mut scaled = value;
+    for unit in ["s", "ms", "us", "ns"] {
+        // What would round to 1.00 belongs to this unit.
+        if scaled >= 0.9995 || unit == "ns" {
+            let decimals = match scaled {
+                _ if scaled == 0.0 => 0,
+                s if s < 9.995 => 2,
+                s if s < 99.95 => 1,
+                _ => 0,
+            };
+            return format!("{scaled:.decimals$} {unit}");
+        }
+        scaled *= 1000.0;
+    }
+    unreachable!("the last unit takes all")
+}
+
 /// Writes to the standard output. A reader that has gone away (`| head`) is no error of ours.
 pub(crate) fn out(text: &str) {
     let _ = std::io::stdout().write_all(text.as_bytes());
@@ -62,6 +85,24 @@ mod tests {
             (2.5e9, "2.50 G"),
         ] {
             assert_eq!(si(value), text);
+        }
+    }
+
+    #[test]
+    fn short_times_have_their_unit() {
+        for (value, text) in [
+            (0.0, "0 ns"),
+            (2.5e-11, "0.03 ns"),
+            (1.5e-9, "1.50 ns"),
+            (999.6e-9, "1.00 us"),
+            (12.34e-6, "12.3 us"),
+            (0.123_4, "123 ms"),
+            (0.999_4, "999 ms"),
+            (0.999_6, "1.00 s"),
+            (59.94, "59.9 s"),
+            (61.0, "1 min 01 s"),
+        ] {
+            assert_eq!(duration(value), text);
         }
     }
 

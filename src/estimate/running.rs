@@ -1,6 +1,6 @@
 //! Mean and variance of a stream of values, in one pass and mergeable.
 
-use super::normal_quantile;
+use super::student_quantile;
 
 /// Count, mean and sum of squared deviations of the values seen so far.
 ///
@@ -71,10 +71,13 @@ impl Running {
     }
 
     /// The interval about the mean that holds the expectation with probability `level` (in 0..1),
-    /// by the central limit theorem: for dozens of values at least, more if they are skewed.
+    /// by Student's distribution: exact for any number of independent normal values, and by the
+    /// central limit theorem for dozens of others, more if they are skewed. Unknown for fewer than
+    /// two values.
     #[must_use]
     pub fn confidence_interval(&self, level: f64) -> Option<[f64; 2]> {
-        let half = -normal_quantile(0.5 * (1.0 - level)) * self.standard_error()?;
+        let error = self.standard_error()?;
+        let half = -student_quantile(0.5 * (1.0 - level), self.count - 1) * error;
         Some([self.mean - half, self.mean + half])
     }
 }

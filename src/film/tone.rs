@@ -95,7 +95,8 @@ fn multiply(m: [[f64; 3]; 3], v: [f64; 3]) -> [f64; 3] {
 }
 
 /// The sRGB decoding of IEC 61966-2-1, for `0..=1`.
-fn from_srgb(code: f64) -> f64 {
+#[must_use]
+pub fn from_srgb(code: f64) -> f64 {
     if code <= 0.04045 {
         return code / 12.92;
     }

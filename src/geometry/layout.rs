@@ -5,6 +5,7 @@
 //! just read.
 
 use super::collapse::{BLOCK_COST, Collapse, MAX_LEAF, NODE_COST};
+use super::pages::settle;
 use crate::scene::Mesh;
 use glam::Vec3A;
 use huygens_kernels::bvh::{BLOCK, Block, MAX_DEPTH, Node, WIDTH, leaf};
@@ -105,8 +106,8 @@ impl Layout {
             } else {
                 0.0
             };
-        out.nodes.shrink_to_fit();
-        out.blocks.shrink_to_fit();
+        out.nodes = settle(out.nodes);
+        out.blocks = settle(out.blocks);
         out
     }
 

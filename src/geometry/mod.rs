@@ -6,6 +6,7 @@
 mod build;
 mod collapse;
 mod layout;
+mod pages;
 mod ploc;
 mod sbvh;
 #[cfg(test)]
@@ -16,18 +17,25 @@ pub use crate::settings::Preset;
 use build::Binary;
 use collapse::Collapse;
 use huygens_kernels::bvh::{Block, Bvh, Node};
-use huygens_kernels::flight;
+use huygens_kernels::few::Triangle;
 use huygens_kernels::rays::{Hits, Rays, Segments};
+use huygens_kernels::{few, flight};
 use layout::Layout;
 
 /// Rays under way together: see `docs/performance.md`.
 const IN_FLIGHT: usize = 32;
+
+/// Up to so many triangles are all tested rather than sought through the tree: see
+/// `docs/performance.md`.
+const FEW: usize = 48;
 
 /// The acceleration structure over a mesh.
 #[derive(Debug, Default)]
 pub struct Geometry {
     layout: Layout,
     bounds: Option<[[f32; 3]; 2]>,
+    /// All triangles, by rising index, where they are few; else none.
+    few: Vec<Triangle>,
 }
 
 impl Geometry {
@@ -64,17 +72,26 @@ impl Geometry {
         Self {
             layout: Layout::new(mesh, &collapse),
             bounds: Some([root.min.to_array(), root.max.to_array()]),
+            few: few(mesh),
         }
     }
 
     /// Closest hit of each ray.
     pub fn closest(&self, rays: Rays, hits: Hits) {
-        flight::closest::<IN_FLIGHT>(self.bvh(), rays, hits);
+        if self.few.is_empty() {
+            flight::closest::<IN_FLIGHT>(self.bvh(), rays, hits);
+        } else {
+            few::closest(&self.few, rays, hits);
+        }
     }
 
     /// For each segment: 1 if something lies on it, 0 if its ends see each other.
     pub fn occluded(&self, segments: Segments, occluded: &mut [u32]) {
-        flight::occluded::<IN_FLIGHT>(self.bvh(), segments, occluded);
+        if self.few.is_empty() {
+            flight::occluded::<IN_FLIGHT>(self.bvh(), segments, occluded);
+        } else {
+            few::occluded(&self.few, segments, occluded);
+        }
     }
 
     /// The tree as kernels see it.
@@ -131,8 +148,23 @@ impl Geometry {
         vec![
             ("bvh nodes", self.nodes() * size_of::<Node>()),
             ("bvh triangles", self.blocks() * size_of::<Block>()),
+            ("few triangles", self.few.len() * size_of::<Triangle>()),
         ]
     }
+}
+
+/// The finite triangles of a mesh that has few.
+fn few(mesh: &Mesh) -> Vec<Triangle> {
+    if mesh.triangles() > FEW {
+        return Vec::new();
+    }
+    (0..mesh.triangles())
+        .map(|i| Triangle {
+            primitive: i as u32,
+            corners: mesh.corners(i),
+        })
+        .filter(|t| t.corners.as_flattened().iter().all(|c| c.is_finite()))
+        .collect()
 }
 
 #[cfg(test)]

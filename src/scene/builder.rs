@@ -1,7 +1,12 @@
 //! Collects placed triangles into the one mesh of a scene and keeps what [`Mesh`] promises.
 
 use super::compiled::Mesh;
+use super::import::Imported;
 use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
+
+/// Triangles or vertices that one task handles at least.
+const TASK: usize = 1 << 14;
 
 /// A growing [`Mesh`].
 #[derive(Debug, Default)]
@@ -11,47 +16,95 @@ pub(super) struct Builder {
     pub(super) dropped: usize,
 }
 
-/// Triangles of one shape in its own space.
-pub(super) struct Placed<'a, V> {
-    pub(super) vertices: V,
+/// Triangles of one material in the space of their shape.
+pub(super) struct Placed<'a> {
+    pub(super) vertices: &'a [DVec3],
     pub(super) triangles: &'a [[u32; 3]],
     pub(super) transform: DAffine3,
+    pub(super) material: u32,
 }
 
+/// Vertices are placed in f64 and rounded once. A transformation that mirrors also turns each
+/// triangle over, so that what was the front stays the front.
 impl Builder {
-    /// Appends a shape; `material` gives each triangle's material.
-    ///
-    /// Vertices are placed in f64 and rounded once. A transformation that mirrors also turns each
-    /// triangle over, so that what was the front stays the front.
-    pub(super) fn append(
+    /// Appends a shape.
+    pub(super) fn append(&mut self, shape: &Placed<'_>) -> Result<(), String> {
+        let place = |&v: &DVec3| shape.transform.transform_point3(v).as_vec3().to_array();
+        let vertices: Vec<[f32; 3]> = shape.vertices.iter().map(place).collect();
+        let material = vec![shape.material; shape.triangles.len()];
+        let mirrors = mirrors(&shape.transform);
+        self.take(vertices, shape.triangles.to_vec(), material, mirrors)
+    }
+
+    /// Appends what a file holds, whose material indices are those of the scene already. Its tables
+    /// are taken over or freed, not copied, as far as possible.
+    pub(super) fn append_file(
         &mut self,
-        shape: Placed<'_, impl Iterator<Item = DVec3>>,
-        material: impl Fn(usize) -> u32,
+        mut file: Imported,
+        transform: DAffine3,
+    ) -> Result<(), String> {
+        if transform != DAffine3::IDENTITY {
+            file.vertices
+                .par_iter_mut()
+                .with_min_len(TASK)
+                .for_each(|v| {
+                    let vertex = DVec3::from_array(v.map(f64::from));
+                    *v = transform.transform_point3(vertex).as_vec3().to_array();
+                });
+        }
+        let mirrors = mirrors(&transform);
+        self.take(file.vertices, file.triangles, file.material, mirrors)
+    }
+
+    fn take(
+        &mut self,
+        vertices: Vec<[f32; 3]>,
+        mut triangles: Vec<[u32; 3]>,
+        mut material: Vec<u32>,
+        mirrors: bool,
     ) -> Result<(), String> {
         let mesh = &mut self.mesh;
+        if vertices.as_flattened().iter().any(|x| !x.is_finite()) {
+            return Err("a vertex lies beyond the range of 32-bit floats".to_owned());
+        }
         let base = mesh.vertices.len();
-        for vertex in shape.vertices {
-            let placed = shape.transform.transform_point3(vertex).as_vec3();
-            if !placed.is_finite() {
-                return Err("a vertex lies beyond the range of 32-bit floats".to_owned());
-            }
-            mesh.vertices.push(placed.to_array());
-        }
-        let Ok(_) = u32::try_from(mesh.vertices.len()) else {
+        if u32::try_from(base + vertices.len()).is_err() {
             return Err("the scene has more than 4294967295 vertices".to_owned());
-        };
-        let base = base as u32;
-        let mirrors = shape.transform.matrix3.determinant() < 0.0;
-        for (i, &[a, b, c]) in shape.triangles.iter().enumerate() {
-            let corners = if mirrors { [a, c, b] } else { [a, b, c] }.map(|v| base + v);
-            if has_area(corners.map(|v| mesh.vertices[v as usize])) {
-                mesh.indices.push(corners);
-                mesh.material.push(material(i));
-            } else {
-                self.dropped += 1;
-            }
         }
+        extend(&mut mesh.vertices, vertices);
+        // A triangle without area becomes one corner three times over, by which it is known below.
+        let flat = |t: &[u32; 3]| t[0] == t[1];
+        let place = |t: &mut [u32; 3]| {
+            let [a, b, c] = *t;
+            let corners = if mirrors { [a, c, b] } else { [a, b, c] }.map(|v| base as u32 + v);
+            let keep = has_area(corners.map(|v| mesh.vertices[v as usize]));
+            *t = if keep { corners } else { [corners[0]; 3] };
+            usize::from(!keep)
+        };
+        let tasks = triangles.par_iter_mut().with_min_len(TASK);
+        let dropped: usize = tasks.map(place).sum();
+        if dropped > 0 {
+            let mut all = triangles.iter();
+            material.retain(|_| all.next().is_some_and(|t| !flat(t)));
+            triangles.retain(|t| !flat(t));
+            self.dropped += dropped;
+        }
+        extend(&mut mesh.indices, triangles);
+        extend(&mut mesh.material, material);
         Ok(())
+    }
+}
+
+fn mirrors(transform: &DAffine3) -> bool {
+    transform.matrix3.determinant() < 0.0
+}
+
+/// Puts `more` behind `table`; without a copy if it is the first.
+fn extend<T>(table: &mut Vec<T>, mut more: Vec<T>) {
+    if table.is_empty() {
+        *table = more;
+    } else {
+        table.append(&mut more);
     }
 }
 
@@ -90,11 +143,12 @@ mod tests {
         let vertices = [DVec3::ZERO, DVec3::X, DVec3::Y];
         let mut builder = Builder::default();
         let shape = Placed {
-            vertices: vertices.into_iter(),
+            vertices: &vertices,
             triangles: &[[0, 1, 2]],
             transform: DAffine3::from_scale(DVec3::new(-2.0, 1.0, 1.0)),
+            material: 0,
         };
-        builder.append(shape, |_| 0).unwrap();
+        builder.append(&shape).unwrap();
         let [a, b, c] = builder.mesh.corners(0).map(glam::Vec3::from_array);
         assert_eq!((b - a).cross(c - a).to_array(), [0.0, 0.0, 2.0]);
     }

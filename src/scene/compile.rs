@@ -1,34 +1,53 @@
 //! A description becomes the tables that kernels read.
 
-use super::builder::{Builder, Placed};
+use super::builder::Builder;
 use super::camera;
-use super::compiled::{FilmSpec, Material, Scene};
+use super::compiled::{FilmSpec, Material, Scene, Sky};
 use super::description::{self, Description};
 use super::error::SceneError;
 use super::hash;
-use super::import::obj;
+use super::import::Imported;
+use super::load::GeometryFile;
 use super::shapes::Shapes;
 use super::toml::SceneFile;
 use super::values::{NonNegative, OneOrThree, Unit};
 use crate::settings::{Integrator, Settings};
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 use std::path::Path;
 
-/// Compiles a native scene file.
-pub(super) fn native(path: &Path) -> Result<Scene, SceneError> {
-    let file = SceneFile::read(path)?;
-    let said = file.parse()?;
-    let film = film(&said.film);
-    let mut shapes = Shapes::new(&file, materials(&said));
+/// What can be told to be wrong before the geometry is there, shapes apart.
+pub(super) fn check(file: &SceneFile, said: &Description) -> Result<(), SceneError> {
+    match &said.camera {
+        Some(camera) => {
+            let film = film(Some(&said.film));
+            camera::compile(camera.get_ref(), camera.span(), film, file).map(|_| ())
+        }
+        None => Ok(()),
+    }
+}
+
+/// Compiles a native scene, whose files hold what `imported` says.
+pub(super) fn native(
+    file: &SceneFile,
+    said: &Description,
+    files: &[GeometryFile],
+    imported: Vec<Imported>,
+) -> Result<Scene, SceneError> {
+    let path = &file.path;
+    let film = film(Some(&said.film));
+    let mut shapes = Shapes::new(file, said, files, imported);
     for shape in &said.shapes {
         shapes.add(shape)?;
     }
     let mesh = &shapes.builder.mesh;
     let camera = match &said.camera {
-        Some(camera) => camera::compile(camera.get_ref(), camera.span(), film, &file)?,
+        Some(camera) => camera::compile(camera.get_ref(), camera.span(), film, file)?,
         None => camera::framing(mesh, film).ok_or_else(|| too_large(path))?,
     };
-    let sky = said.sky.as_ref().map(|sky| radiance(sky.radiance));
+    let sky = said.sky.as_ref().map(|sky| Sky {
+        zenith: radiance(sky.radiance),
+        nadir: radiance(sky.nadir.unwrap_or(sky.radiance)),
+    });
     Ok(finish(Scene {
         name: said.name.clone().unwrap_or_else(|| stem(path)),
         hash: [0; 32],
@@ -42,20 +61,25 @@ pub(super) fn native(path: &Path) -> Result<Scene, SceneError> {
     }))
 }
 
-/// Compiles a bare OBJ file: a camera that frames it, and a soft sky if it brings no light.
-pub(super) fn bare_obj(path: &Path) -> Result<Scene, SceneError> {
-    let imported = obj::load(path)?;
+/// The sky over a bare file without light. Darker from below: under a constant sky a white model
+/// would have the sky's own colour everywhere and be invisible before it.
+const SOFT_SKY: Sky = Sky {
+    zenith: [1.5; 3],
+    nadir: [0.3; 3],
+};
+
+/// Compiles a bare file of geometry: a camera that frames it, and a soft sky if it brings no light.
+pub(super) fn bare(path: &Path, imported: Vec<Imported>) -> Result<Scene, SceneError> {
     let mut builder = Builder::default();
-    let vertex = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from));
-    let placed = Placed {
-        vertices: imported.vertices.iter().map(vertex),
-        triangles: &imported.triangles,
-        transform: DAffine3::IDENTITY,
-    };
-    builder
-        .append(placed, |i| imported.material[i])
-        .map_err(|e| SceneError::file(path, e))?;
-    let film = film(&description::Film::default());
+    let (mut materials, mut warnings) = (Vec::new(), Vec::new());
+    for mut imported in imported {
+        materials.append(&mut imported.materials);
+        warnings.append(&mut imported.warnings);
+        builder
+            .append_file(imported, DAffine3::IDENTITY)
+            .map_err(|e| SceneError::file(path, e))?;
+    }
+    let film = film(None);
     let camera = camera::framing(&builder.mesh, film).ok_or_else(|| too_large(path))?;
     let mut scene = Scene {
         name: stem(path),
@@ -64,18 +88,21 @@ pub(super) fn bare_obj(path: &Path) -> Result<Scene, SceneError> {
         film,
         sky: None,
         settings: Settings::default(),
-        materials: imported.materials,
-        warnings: with_dropped(imported.warnings, &builder),
+        materials,
+        warnings: with_dropped(warnings, &builder),
         mesh: builder.mesh,
     };
     if !emits(&scene) {
-        scene.sky = Some([1.0; 3]);
+        scene.sky = Some(SOFT_SKY);
     }
     Ok(finish(scene))
 }
 
 /// What both kinds of scene end with: the hash, and warnings about the whole.
 fn finish(mut scene: Scene) -> Scene {
+    scene.mesh.vertices.shrink_to_fit();
+    scene.mesh.indices.shrink_to_fit();
+    scene.mesh.material.shrink_to_fit();
     if scene.mesh.indices.is_empty() {
         let message = "no shapes: the camera sees nothing but the sky";
         scene.warnings.push(message.to_owned());
@@ -84,7 +111,7 @@ fn finish(mut scene: Scene) -> Scene {
         scene.settings.integrator,
         Integrator::Path | Integrator::Direct | Integrator::Reference
     );
-    let sky_shines = scene.sky.is_some_and(|sky| sky.iter().any(|&c| c > 0.0));
+    let sky_shines = scene.sky.is_some_and(|sky| sky.shines());
     if needs_light && !sky_shines && !emits(&scene) {
         let message = "no light: neither a sky nor a surface emits, so the image will be black";
         scene.warnings.push(message.to_owned());
@@ -118,7 +145,10 @@ fn stem(path: &Path) -> String {
     stem.to_string_lossy().into_owned()
 }
 
-fn film(said: &description::Film) -> FilmSpec {
+/// The film that a scene file asks for, or the default.
+pub(super) fn film(said: Option<&description::Film>) -> FilmSpec {
+    let default = description::Film::default();
+    let said = said.unwrap_or(&default);
     FilmSpec {
         width: said.width.0,
         height: said.height.0,
@@ -141,7 +171,8 @@ fn settings(said: &description::Settings) -> Settings {
     }
 }
 
-fn materials(said: &Description) -> Vec<Material> {
+/// The materials that a scene file names.
+pub(super) fn materials(said: &Description) -> Vec<Material> {
     let material = |(name, m): (&String, &description::Material)| Material {
         name: name.clone(),
         albedo: reflectance(m.albedo),

@@ -18,8 +18,8 @@ pub struct Scene {
     pub mesh: Mesh,
     /// Materials, indexed by [`Mesh::material`].
     pub materials: Vec<Material>,
-    /// Radiance of a constant sky around the scene, W/m^2/sr, if there is one.
-    pub sky: Option<[f32; 3]>,
+    /// The sky around the scene, if there is one.
+    pub sky: Option<Sky>,
     /// Settings of the scene's file over the defaults.
     pub settings: Settings,
     /// Fallbacks taken while loading, each once, in the order met.
@@ -70,6 +70,41 @@ impl Material {
     #[must_use]
     pub fn emits(&self) -> bool {
         self.emission.iter().any(|&c| c > 0.0)
+    }
+}
+
+/// Light from all around, without end: its radiance (W/m^2/sr) goes linearly with the height of the
+/// direction, from `nadir` straight below (-y) to `zenith` straight above (+y).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::NoUninit)]
+pub struct Sky {
+    /// From straight above; each channel finite and >= 0.
+    pub zenith: [f32; 3],
+    /// From straight below; each channel finite and >= 0.
+    pub nadir: [f32; 3],
+}
+
+impl Sky {
+    /// The same radiance from everywhere.
+    #[must_use]
+    pub const fn constant(radiance: [f32; 3]) -> Self {
+        Self {
+            zenith: radiance,
+            nadir: radiance,
+        }
+    }
+
+    /// Mean radiance over all directions: since the height of a uniform direction is uniform
+    /// (Archimedes), that of the horizon.
+    #[must_use]
+    pub fn mean(&self) -> [f32; 3] {
+        std::array::from_fn(|c| 0.5 * (self.zenith[c] + self.nadir[c]))
+    }
+
+    /// Whether there is any light in it.
+    #[must_use]
+    pub fn shines(&self) -> bool {
+        self.mean().iter().any(|&c| c > 0.0)
     }
 }
 

@@ -2,6 +2,7 @@
 //! a key that is not declared here is an error.
 
 use super::compiled::Filter;
+use super::import::{Counts, Format};
 use super::transform::Transform;
 use super::values::{
     Count, FieldOfView, Finite, Natural, NonNegative, OneOrThree, Pixels, Positive, Unit,
@@ -89,6 +90,7 @@ pub(super) struct Settings {
 #[serde(expecting = "a table such as { radiance = 1 }")]
 pub(super) struct Sky {
     pub(super) radiance: OneOrThree<NonNegative>,
+    pub(super) nadir: Option<OneOrThree<NonNegative>>,
 }
 
 /// `[materials.NAME]`
@@ -111,12 +113,13 @@ impl Default for Material {
     }
 }
 
-/// `[[shapes]]`: exactly one of the first four, which `shapes::kind` checks.
+/// `[[shapes]]`: exactly one of the first five, which `shapes` checks.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 #[serde(expecting = "a table such as { obj = \"file.obj\" }")]
 pub(super) struct Shape {
     pub(super) obj: Option<Spanned<String>>,
+    pub(super) ply: Option<Spanned<String>>,
     pub(super) rectangle: Option<Rectangle>,
     #[serde(rename = "box")]
     pub(super) cuboid: Option<Spanned<Cuboid>>,
@@ -124,6 +127,33 @@ pub(super) struct Shape {
     pub(super) material: Option<Spanned<String>>,
     pub(super) materials: BTreeMap<Spanned<String>, Spanned<String>>,
     pub(super) transform: Option<Spanned<Transform>>,
+}
+
+impl Shape {
+    /// The file that holds its geometry, if one does.
+    pub(super) fn file(&self) -> Option<(&Spanned<String>, Format)> {
+        let obj = self.obj.as_ref().map(|name| (name, Format::Obj));
+        obj.or(self.ply.as_ref().map(|name| (name, Format::Ply)))
+    }
+
+    /// What is written in the scene file itself.
+    pub(super) fn counts(&self) -> Counts {
+        let (vertices, triangles) = match (&self.rectangle, &self.cuboid, &self.mesh) {
+            (Some(_), ..) => (4, 2),
+            (_, Some(_), _) => (8, 12),
+            (.., Some(mesh)) => {
+                let mesh = mesh.get_ref();
+                let corners = |face: &Spanned<Vec<Natural>>| face.get_ref().len() as u64;
+                let triangles = mesh.faces.iter().map(|f| corners(f).saturating_sub(2));
+                (mesh.vertices.len() as u64, triangles.sum())
+            }
+            _ => (0, 0),
+        };
+        Counts {
+            vertices,
+            triangles,
+        }
+    }
 }
 
 /// A parallelogram: a corner and the two edges from it. Its front is where they turn

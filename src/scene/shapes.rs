@@ -1,81 +1,126 @@
 //! Shapes of a scene file to triangles in world space.
 
 use super::builder::{Builder, Placed};
+use super::compile;
 use super::compiled::Material;
-use super::description::{Cuboid, InlineMesh, Rectangle, Shape};
-use super::error::{SceneError, io_message};
-use super::import::{Imported, mtl, obj};
+use super::description::{Cuboid, Description, InlineMesh, Rectangle, Shape};
+use super::error::SceneError;
+use super::import::{Imported, mtl};
+use super::load::GeometryFile;
 use super::toml::{SceneFile, suggest};
 use super::transform::vector;
 use super::triangulate::triangulate;
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
-use std::rc::Rc;
 use toml::Spanned;
 
 /// Shapes on their way into a scene's tables.
 pub(super) struct Shapes<'a> {
-    pub(super) file: &'a SceneFile,
+    file: &'a SceneFile,
     pub(super) builder: Builder,
     pub(super) materials: Vec<Material>,
     pub(super) warnings: Vec<String>,
     /// Materials that the scene file names.
     named: HashMap<String, u32>,
-    /// Files loaded so far, with the table index of each of their materials once one is in use.
-    loaded: HashMap<PathBuf, (Rc<Imported>, Vec<Option<u32>>)>,
+    files: &'a [GeometryFile],
+    loaded: Vec<Loaded>,
     /// Material of inline shapes that name none.
     grey: Option<u32>,
 }
 
+/// What one of the scene's files holds, until the last shape that names it has been added.
+struct Loaded {
+    imported: Imported,
+    /// Shapes still to come that name it.
+    uses: usize,
+    /// The table index of each of its materials that is in use.
+    used: Vec<Option<u32>>,
+}
+
 impl<'a> Shapes<'a> {
-    /// Begins with the materials that the scene file names.
-    pub(super) fn new(file: &'a SceneFile, materials: Vec<Material>) -> Self {
+    /// Begins with the materials that the scene file names, and with what its files hold; without
+    /// that, shapes can be checked but not added.
+    pub(super) fn new(
+        file: &'a SceneFile,
+        said: &Description,
+        files: &'a [GeometryFile],
+        imported: Vec<Imported>,
+    ) -> Self {
+        let materials = compile::materials(said);
         let named = materials
             .iter()
             .enumerate()
             .map(|(i, m)| (m.name.clone(), i as u32))
             .collect();
+        let loaded = |(imported, file): (Imported, &GeometryFile)| Loaded {
+            uses: file.uses,
+            used: vec![None; imported.materials.len()],
+            imported,
+        };
         Self {
             file,
             builder: Builder::default(),
             materials,
             warnings: Vec::new(),
             named,
-            loaded: HashMap::new(),
+            files,
+            loaded: imported.into_iter().zip(files).map(loaded).collect(),
             grey: None,
         }
     }
 
-    /// Adds one shape.
+    /// What can be told to be wrong before the geometry is there.
+    pub(super) fn check(&self, shape: &Spanned<Shape>) -> Result<(), SceneError> {
+        let (span, shape) = (shape.span(), shape.get_ref());
+        self.transform(shape)?;
+        let kinds = [
+            shape.obj.is_some(),
+            shape.ply.is_some(),
+            shape.rectangle.is_some(),
+            shape.cuboid.is_some(),
+            shape.mesh.is_some(),
+        ];
+        if kinds.into_iter().filter(|&given| given).count() != 1 {
+            let message = "expected exactly one of `obj`, `ply`, `rectangle`, `box` or `mesh`";
+            return Err(self.file.error(span, message));
+        }
+        if let (None, Some((name, _))) = (&shape.obj, shape.materials.first_key_value()) {
+            let message = "`materials` renames those of an `obj`, expected `material`";
+            return Err(self.file.error(name.span(), message));
+        }
+        let names = shape.material.iter().chain(shape.materials.values());
+        names
+            .map(|name| self.lookup(name))
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok(())
+    }
+
+    /// Adds one shape that has been checked.
     pub(super) fn add(&mut self, shape: &Spanned<Shape>) -> Result<(), SceneError> {
         let (span, shape) = (shape.span(), shape.get_ref());
-        let transform = match &shape.transform {
+        let transform = self.transform(shape)?;
+        if let Some(rectangle) = &shape.rectangle {
+            let corners = rectangle_corners(rectangle);
+            self.add_inline(shape, span, transform, &corners, &[[0, 1, 2], [0, 2, 3]])
+        } else if let Some(cuboid) = &shape.cuboid {
+            let (corners, triangles) = self.cuboid(cuboid)?;
+            self.add_inline(shape, span, transform, &corners, &triangles)
+        } else if let Some(mesh) = &shape.mesh {
+            let (corners, triangles) = self.inline_mesh(mesh)?;
+            self.add_inline(shape, span, transform, &corners, &triangles)
+        } else {
+            self.add_file(shape, span, transform)
+        }
+    }
+
+    fn transform(&self, shape: &Shape) -> Result<DAffine3, SceneError> {
+        match &shape.transform {
             Some(t) => t
                 .get_ref()
                 .compile()
-                .map_err(|e| self.file.error(t.span(), e))?,
-            None => DAffine3::IDENTITY,
-        };
-        match (&shape.obj, &shape.rectangle, &shape.cuboid, &shape.mesh) {
-            (Some(obj), None, None, None) => self.add_obj(obj, shape, span, transform),
-            (None, Some(rectangle), None, None) => {
-                let corners = rectangle_corners(rectangle);
-                self.add_inline(shape, span, transform, &corners, &[[0, 1, 2], [0, 2, 3]])
-            }
-            (None, None, Some(cuboid), None) => {
-                let (corners, triangles) = self.cuboid(cuboid)?;
-                self.add_inline(shape, span, transform, &corners, &triangles)
-            }
-            (None, None, None, Some(mesh)) => {
-                let (corners, triangles) = self.inline_mesh(mesh)?;
-                self.add_inline(shape, span, transform, &corners, &triangles)
-            }
-            _ => {
-                let message = "expected exactly one of `obj`, `rectangle`, `box` or `mesh`";
-                Err(self.file.error(span, message))
-            }
+                .map_err(|e| self.file.error(t.span(), e)),
+            None => Ok(DAffine3::IDENTITY),
         }
     }
 
@@ -87,10 +132,6 @@ impl<'a> Shapes<'a> {
         corners: &[DVec3],
         triangles: &[[u32; 3]],
     ) -> Result<(), SceneError> {
-        if let Some((name, _)) = shape.materials.first_key_value() {
-            let message = "`materials` renames those of an `obj`, expected `material`";
-            return Err(self.file.error(name.span(), message));
-        }
         let material = match &shape.material {
             Some(name) => self.lookup(name)?,
             None => *self.grey.get_or_insert_with(|| {
@@ -99,78 +140,85 @@ impl<'a> Shapes<'a> {
             }),
         };
         let placed = Placed {
-            vertices: corners.iter().copied(),
+            vertices: corners,
             triangles,
             transform,
+            material,
         };
         self.builder
-            .append(placed, |_| material)
+            .append(&placed)
             .map_err(|e| self.file.error(span, e))
     }
 
-    fn add_obj(
+    fn add_file(
         &mut self,
-        obj: &Spanned<String>,
         shape: &Shape,
         span: Range<usize>,
         transform: DAffine3,
     ) -> Result<(), SceneError> {
-        let folder = self.file.path.parent().unwrap_or(Path::new(""));
-        let path = folder.join(obj.get_ref());
-        let (imported, mut used) = match self.loaded.remove(&path) {
-            Some(known) => known,
-            None => {
-                // A file that is not there is the scene file's mistake; one that is wrong is not.
-                if let Err(e) = std::fs::File::open(&path) {
-                    let message = format!("{}: {}", path.display(), io_message(&e));
-                    return Err(self.file.error(obj.span(), message));
-                }
-                let mut imported = obj::load(&path)?;
-                self.warnings.append(&mut imported.warnings);
-                let used = vec![None; imported.materials.len()];
-                (Rc::new(imported), used)
-            }
+        let named = shape.file();
+        let place = named.and_then(|(name, format)| {
+            let path = self.file.beside(name.get_ref());
+            let is = |f: &GeometryFile| f.path == path && f.format == format;
+            self.files.iter().position(is)
+        });
+        let Some(place) = place else {
+            unreachable!("files are loaded before their shapes are added");
         };
         let whole = shape.material.as_ref().map(|name| self.lookup(name));
         let whole = whole.transpose()?;
+        let own = &self.loaded[place].imported.materials;
         let mut replaced = HashMap::new();
-        for (own, by) in &shape.materials {
-            let names = || imported.materials.iter().map(|m| m.name.as_str());
-            if !names().any(|name| name == own.get_ref()) {
-                let names: Vec<&str> = names().filter(|n| !n.is_empty()).collect();
+        for (name, by) in &shape.materials {
+            if !own.iter().any(|m| m.name == *name.get_ref()) {
+                let names = own.iter().map(|m| m.name.as_str());
+                let names: Vec<&str> = names.filter(|n| !n.is_empty()).collect();
                 let message = format!(
                     "{} has no material `{}`, {}",
-                    path.display(),
-                    own.get_ref(),
-                    suggest(own.get_ref(), &names)
+                    self.files[place].path.display(),
+                    name.get_ref(),
+                    suggest(name.get_ref(), &names)
                 );
-                return Err(self.file.error(own.span(), message));
+                return Err(self.file.error(name.span(), message));
             }
-            replaced.insert(own.get_ref().as_str(), self.lookup(by)?);
+            replaced.insert(name.get_ref().as_str(), self.lookup(by)?);
         }
-        let mut table = vec![0; imported.materials.len()];
-        for &slot in &imported.material {
-            let slot = slot as usize;
-            let own = &imported.materials[slot];
-            let replacement = replaced.get(own.name.as_str()).copied().or(whole);
-            table[slot] = replacement.unwrap_or_else(|| {
-                *used[slot].get_or_insert_with(|| {
-                    self.materials.push(own.clone());
-                    self.materials.len() as u32 - 1
+        let Loaded {
+            imported,
+            uses,
+            used,
+        } = &mut self.loaded[place];
+        self.warnings.append(&mut imported.warnings);
+        // Every material of a file is worn by some triangle of it.
+        let table: Vec<u32> = imported
+            .materials
+            .iter()
+            .zip(used)
+            .map(|(own, used)| {
+                let replacement = replaced.get(own.name.as_str()).copied().or(whole);
+                replacement.unwrap_or_else(|| {
+                    *used.get_or_insert_with(|| {
+                        self.materials.push(own.clone());
+                        self.materials.len() as u32 - 1
+                    })
                 })
-            });
-        }
-        let vertex = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from));
-        let placed = Placed {
-            vertices: imported.vertices.iter().map(vertex),
-            triangles: &imported.triangles,
-            transform,
+            })
+            .collect();
+        *uses -= 1;
+        let mut geometry = if *uses == 0 {
+            Imported {
+                materials: Vec::new(),
+                ..std::mem::take(imported)
+            }
+        } else {
+            imported.clone()
         };
+        for material in &mut geometry.material {
+            *material = table[*material as usize];
+        }
         self.builder
-            .append(placed, |i| table[imported.material[i] as usize])
-            .map_err(|e| self.file.error(span, e))?;
-        self.loaded.insert(path, (imported, used));
-        Ok(())
+            .append_file(geometry, transform)
+            .map_err(|e| self.file.error(span, e))
     }
 
     /// Index of a material that the scene file names.

@@ -24,6 +24,11 @@ impl SceneFile {
         })
     }
 
+    /// The path that the scene file writes as `name`.
+    pub(super) fn beside(&self, name: &str) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(name)
+    }
+
     /// An error about the bytes `span`, named by the key that they belong to.
     pub(super) fn error(&self, span: Range<usize>, message: impl AsRef<str>) -> SceneError {
         let message = match key_path(&self.text, &span) {

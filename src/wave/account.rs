@@ -1,84 +1,9 @@
 //! The accounting of a render: always on, a few additions a stage call.
-//!
-//! Paths keep their order from queue to queue and new ones join at the end, so a queue holds few
-//! runs of equal bounce; counting runs, not items, is what makes the accounting by bounce cheap.
 
+use super::stats::{BounceStats, Dropped, StageStats};
+use super::tally::{ROWS, Tally};
 use huygens_kernels::lanes::padded;
-use huygens_kernels::queues::LAST_RAY;
-use serde::Serialize;
 use std::time::Instant;
-
-/// What a render did.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct RenderStats {
-    /// Wall-clock seconds in [`crate::wave::render`].
-    pub seconds: f64,
-    /// Worker threads used.
-    pub threads: usize,
-    /// Camera samples finished.
-    pub samples: u64,
-    /// Camera rays traced.
-    pub camera_rays: u64,
-    /// Rays traced after a scattering event.
-    pub bounce_rays: u64,
-    /// Occlusion rays traced.
-    pub shadow_rays: u64,
-    /// Mean number of closest-hit rays on a path, minus 1.
-    pub mean_depth: f64,
-    /// Whether it was stopped before its last sample.
-    pub stopped: bool,
-    /// Stages in the order of the loop.
-    pub stages: Vec<StageStats>,
-    /// Contributions or samples left out because they were not finite, by stage.
-    pub dropped: Vec<Dropped>,
-}
-
-/// One stage over the whole render, all workers added up.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct StageStats {
-    /// Stage name.
-    pub name: &'static str,
-    /// Times it ran.
-    pub calls: u64,
-    /// Seconds of worker time.
-    pub seconds: f64,
-    /// Items read.
-    pub items_in: u64,
-    /// Items appended to the queues behind it.
-    pub items_out: u64,
-    /// Lanes that held an item.
-    pub lanes_busy: u64,
-    /// Lanes processed, busy or not.
-    pub lanes_issued: u64,
-    /// The same by bounce: element `b` is for paths that have scattered `b` times; the last one
-    /// also holds all deeper ones.
-    pub bounces: Vec<BounceStats>,
-}
-
-/// A stage's share that belongs to one bounce. Calls that hold several bounces are apportioned by
-/// items.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct BounceStats {
-    /// Items read.
-    pub items_in: u64,
-    /// Items appended to the queues behind it.
-    pub items_out: u64,
-    /// Lanes that held an item.
-    pub lanes_busy: u64,
-    /// Seconds of worker time, apportioned by items.
-    pub seconds: f64,
-}
-
-/// A value that was not finite and was left out.
-#[derive(Clone, Debug, Serialize)]
-pub struct Dropped {
-    /// The stage that met it.
-    pub stage: &'static str,
-    /// How many in all.
-    pub count: u64,
-    /// The first few, as (x, y, sample).
-    pub examples: Vec<(u32, u32, u32)>,
-}
 
 /// The stages, in the order of the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,77 +41,6 @@ impl Stage {
             Self::Occlude => "occlude",
             Self::Roulette => "roulette",
         }
-    }
-}
-
-/// Bounces told apart; the last row holds all deeper ones.
-pub(crate) const ROWS: usize = 64;
-
-/// Items by bounce.
-#[derive(Clone, Debug)]
-pub(crate) struct Tally {
-    rows: [u32; ROWS],
-    depth: usize,
-    total: u32,
-}
-
-impl Default for Tally {
-    fn default() -> Self {
-        Self {
-            rows: [0; ROWS],
-            depth: 0,
-            total: 0,
-        }
-    }
-}
-
-impl Tally {
-    pub(crate) fn add(&mut self, bounce: u32, items: usize) {
-        let row = (bounce as usize).min(ROWS - 1);
-        self.rows[row] += items as u32;
-        self.depth = self.depth.max(row + 1);
-        self.total += items as u32;
-    }
-
-    /// The tally of a queue's `bounces` column, or of one `later` by so many bounces.
-    pub(crate) fn of(bounces: &[u32], later: u32) -> Self {
-        let mut tally = Self::default();
-        for_each_run(bounces, |bounce, run| {
-            tally.add(bounce.wrapping_add(later), run.len());
-        });
-        tally
-    }
-
-    /// Both together.
-    pub(crate) fn plus(mut self, other: &Self) -> Self {
-        for row in 0..other.depth {
-            self.rows[row] += other.rows[row];
-        }
-        self.depth = self.depth.max(other.depth);
-        self.total += other.total;
-        self
-    }
-
-    pub(crate) fn total(&self) -> usize {
-        self.total as usize
-    }
-}
-
-/// Calls `run` with each longest range of equal bounces, in order. [`LAST_RAY`] is not looked at.
-pub(crate) fn for_each_run(bounces: &[u32], mut run: impl FnMut(u32, std::ops::Range<usize>)) {
-    let mut start = 0;
-    while start < bounces.len() {
-        let bounce = bounces[start] & !LAST_RAY;
-        let rest = &bounces[start..];
-        // Whole blocks of equal bounces first: the compiler compares them in lanes.
-        let same = |b: &u32| b & !LAST_RAY == bounce;
-        let blocks = rest
-            .chunks_exact(32)
-            .take_while(|c| c.iter().filter(|b| same(b)).count() == 32);
-        let whole = blocks.count() * 32;
-        let end = start + whole + rest[whole..].iter().take_while(|b| same(b)).count();
-        run(bounce, start..end);
-        start = end;
     }
 }
 
@@ -331,17 +185,6 @@ fn book_drop(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn runs_cover_the_column_in_order_and_ignore_the_last_ray_mark() {
-        let mut column = vec![5; 70];
-        column.extend([3, 3, 3 | LAST_RAY, 2]);
-        column.extend([0; 33]);
-        let mut runs = Vec::new();
-        for_each_run(&column, |b, r| runs.push((b, r)));
-        assert_eq!(runs, [(5, 0..70), (3, 70..73), (2, 73..74), (0, 74..107)]);
-        assert_eq!(Tally::of(&column, 1).total(), column.len());
-    }
 
     #[test]
     fn apportioned_seconds_add_up() {

@@ -17,14 +17,16 @@ mod scheduler;
 mod setup;
 mod shade;
 mod sort;
+mod stats;
 mod tables;
+mod tally;
 
-pub use account::{BounceStats, Dropped, RenderStats, StageStats};
 pub use control::Control;
 pub use render::render;
+pub use stats::{BounceStats, Dropped, RenderStats, StageStats};
 
 use crate::film::{Job, SampleBuffer};
-use account::{Account, Stage, Tally};
+use account::{Account, Stage};
 use generate::Source;
 use huygens_kernels::compact::Kept;
 use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
@@ -33,6 +35,7 @@ use setup::Setup;
 use sort::Lists;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
+use tally::Tally;
 
 /// One worker's wave: its queues, allocated once.
 struct Wave<'a> {
@@ -150,9 +153,14 @@ impl scheduler::Worker for Wave<'_> {
             }
             let start = Instant::now();
             let scatter = lists.scatter.of(at, hit);
-            shade::surface(
-                program, scatter, tables, sampler, scattered, shadows, samples,
-            );
+            let sinks = shade::Sinks {
+                scattered,
+                shadows,
+                samples,
+            };
+            shade::surface(program, scatter, tables, sampler, sinks, |slot| {
+                account.drop_sample(Stage::Scatter.name(), job.sample_of(slot));
+            });
             let cast = Tally::of(&shadows.view().bounces[..shadows.len()], 0);
             let on = Tally::of(&scattered.view().bounces[..scattered.len()], 0);
             account.book(

@@ -1,7 +1,8 @@
 //! A whole render: sets up, lets the scheduler run, adds up.
 
-use super::account::{Account, RenderStats};
+use super::account::Account;
 use super::setup::Setup;
+use super::stats::RenderStats;
 use super::tables::SceneTables;
 use super::{Control, Wave, scheduler};
 use crate::film::{Film, Job, SampleBuffer, filter};

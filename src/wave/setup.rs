@@ -45,7 +45,7 @@ impl<'a> Setup<'a> {
         } else {
             1
         };
-        let sky = scene.sky.is_some_and(|sky| tables::luminance(sky) > 0.0);
+        let sky = scene.sky.is_some_and(|sky| sky.shines());
         Self {
             geometry,
             tables: scene_tables.view(scene),

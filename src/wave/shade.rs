@@ -118,16 +118,27 @@ pub(crate) fn emission(
     }
 }
 
+/// Where surfaces send what they are given.
+pub(crate) struct Sinks<'a> {
+    pub(crate) scattered: &'a mut Queue<PathsMut<'static>>,
+    pub(crate) shadows: &'a mut Queue<ShadowsMut<'static>>,
+    pub(crate) samples: &'a mut SampleBuffer,
+}
+
 /// Scatters the listed paths at their surfaces, into emptied queues.
 pub(crate) fn surface<S: Sampler>(
     program: Program,
     listed: Listed,
     tables: &Tables,
     sampler: S,
-    scattered: &mut Queue<PathsMut<'static>>,
-    shadows: &mut Queue<ShadowsMut<'static>>,
-    samples: &mut SampleBuffer,
+    into: Sinks<'_>,
+    dropped: impl FnMut(u32),
 ) {
+    let Sinks {
+        scattered,
+        shadows,
+        samples,
+    } = into;
     let out = Out {
         paths: scattered.view_mut(),
         shadows: shadows.view_mut(),
@@ -159,7 +170,7 @@ pub(crate) fn surface<S: Sampler>(
             (0, kernel(listed, tables, sampler, distance, out.shadows))
         }
         Program::Look(what) => {
-            look(what, listed, tables, &mut samples.columns());
+            look(what, listed, tables, &mut samples.columns(), dropped);
             (0, 0)
         }
     };

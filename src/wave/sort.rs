@@ -3,7 +3,7 @@
 //! In: paths and their hits. Out: index lists, in the paths' order. One pass: the lists of this
 //! stage are few, and a path that meets an emissive surface goes to two of them.
 
-use super::account::{Tally, for_each_run};
+use super::tally::{Tally, for_each_run};
 use huygens_kernels::lanes::LANES;
 use huygens_kernels::queues::{LAST_RAY, Listed, PathHits, Paths};
 use huygens_kernels::rays::NO_PRIMITIVE;

@@ -1,6 +1,6 @@
 //! From a compiled scene to the tables that kernels read.
 
-use crate::scene::{Mesh, Perspective, Scene};
+use crate::scene::{Mesh, Perspective, Scene, Sky};
 use huygens_kernels::camera;
 use huygens_kernels::rays::NO_PRIMITIVE;
 use huygens_kernels::tables::{Lights, Materials, Tables, Triangles};
@@ -20,8 +20,8 @@ pub(crate) struct SceneTables {
 
 impl SceneTables {
     /// The tables of `scene`. Lights are selected by power: `pi * area * sides * luminance` of a
-    /// triangle, `4 pi^2 r^2 * luminance` of the sky over a scene of bounding radius `r` (the flux
-    /// of a constant sky through that sphere; *PBRT* 4th ed., 12.5).
+    /// triangle, `4 pi^2 r^2 * mean luminance` of the sky over a scene of bounding radius `r` (the
+    /// flux through that sphere; *PBRT* 4th ed., 12.5).
     pub(crate) fn new(scene: &Scene) -> Self {
         let mut tables = Self::default();
         for m in &scene.materials {
@@ -45,10 +45,10 @@ impl SceneTables {
                 powers.push(exitance[m as usize] * area(scene.mesh.corners(i)));
             }
         }
-        if let Some(sky) = scene.sky.filter(|&sky| luminance(sky) > 0.0) {
+        if let Some(sky) = scene.sky.filter(Sky::shines) {
             tables.primitive.push(NO_PRIMITIVE);
             let r = 0.5 * diagonal(&scene.mesh);
-            let power = 4.0 * std::f64::consts::PI.powi(2) * r * r * luminance(sky);
+            let power = 4.0 * std::f64::consts::PI.powi(2) * r * r * luminance(sky.mean());
             // Without geometry there is nothing to light and r is 0.
             powers.push(power.max(f64::MIN_POSITIVE));
         }
@@ -85,7 +85,8 @@ impl SceneTables {
                 keep: &self.keep,
                 alias: &self.alias,
                 primitive: &self.primitive,
-                sky: scene.sky.unwrap_or_default(),
+                zenith: scene.sky.map_or([0.0; 3], |sky| sky.zenith),
+                nadir: scene.sky.map_or([0.0; 3], |sky| sky.nadir),
                 sky_selection: self.sky_selection,
             },
         }

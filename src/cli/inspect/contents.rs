@@ -24,6 +24,8 @@ pub(crate) struct Contents {
     pub(super) lights: Vec<Light>,
     pub(super) settings: String,
     pub(super) memory: Vec<Table>,
+    /// Of all tables but the film.
+    pub(super) bytes_per_triangle: Option<f64>,
     pub(super) warnings: Vec<String>,
 }
 
@@ -73,6 +75,8 @@ pub(super) struct Light {
 pub(super) struct Table {
     pub(super) table: &'static str,
     pub(super) bytes: usize,
+    /// None for what does not grow with the geometry.
+    pub(super) bytes_per_triangle: Option<f64>,
 }
 
 impl Contents {
@@ -81,6 +85,9 @@ impl Contents {
         let materials = materials(scene);
         let degrees = |half: f32| 2.0 * f64::from(half).atan().to_degrees();
         let bounds = Bounds::of(&scene.mesh);
+        let memory = memory(scene, tables);
+        let triangles = scene.mesh.triangles();
+        let geometry = memory.iter().filter(|t| t.table != FILM);
         Self {
             schema: 1,
             name: scene.name.clone(),
@@ -105,7 +112,8 @@ impl Contents {
             },
             materials,
             settings: options::as_options(scene),
-            memory: memory(scene, tables),
+            bytes_per_triangle: each(geometry.map(|t| t.bytes).sum(), triangles),
+            memory,
             warnings: scene.warnings.clone(),
         }
     }
@@ -173,13 +181,15 @@ fn lights(scene: &Scene, materials: &[MaterialContents], bounds: &Bounds) -> Vec
             power: m.emission.map(|l| PI * m.area * sides * f64::from(l)),
         }
     };
-    let sky = scene.sky.map(|radiance| Light {
+    let sky = scene.sky.map(|sky| Light {
         kind: "sky",
         name: "sky".to_owned(),
         triangles: 0,
-        radiance,
-        // The sphere's surface times pi L: it is lit from all of each hemisphere above it.
-        power: radiance.map(|l| 4.0 * PI * bounds.radius2() * PI * f64::from(l)),
+        radiance: sky.mean(),
+        // The sphere's surface times pi L, L the mean: all of it is lit from all sides together.
+        power: sky
+            .mean()
+            .map(|l| 4.0 * PI * bounds.radius2() * PI * f64::from(l)),
     });
     materials
         .iter()
@@ -189,15 +199,30 @@ fn lights(scene: &Scene, materials: &[MaterialContents], bounds: &Bounds) -> Vec
         .collect()
 }
 
+/// The one table whose size does not depend on the geometry.
+const FILM: &str = "film";
+
+/// Bytes for each of the triangles, if there are any.
+fn each(bytes: usize, triangles: usize) -> Option<f64> {
+    (triangles > 0).then(|| bytes as f64 / triangles as f64)
+}
+
 fn memory(scene: &Scene, tables: &[(&'static str, usize)]) -> Vec<Table> {
     let (mesh, film) = (&scene.mesh, &scene.film);
     let pixels = film.width as usize * film.height as usize;
-    let table = |table, bytes| Table { table, bytes };
+    let table = |table, bytes| Table {
+        table,
+        bytes,
+        bytes_per_triangle: match table {
+            FILM => None,
+            _ => each(bytes, mesh.triangles()),
+        },
+    };
     let own = [
         table("vertices", size_of_val(mesh.vertices.as_slice())),
         table("vertex indices", size_of_val(mesh.indices.as_slice())),
         table("material indices", size_of_val(mesh.material.as_slice())),
-        table("film", pixels * Film::BYTES_PER_PIXEL),
+        table(FILM, pixels * Film::BYTES_PER_PIXEL),
     ];
     let others = tables.iter().map(|&(name, bytes)| table(name, bytes));
     own.into_iter().chain(others).collect()
@@ -207,7 +232,7 @@ fn memory(scene: &Scene, tables: &[(&'static str, usize)]) -> Vec<Table> {
 mod tests {
     use super::*;
     use crate::cli::stats::tests::{documented, paths, scene as empty};
-    use huygens::scene::Material;
+    use huygens::scene::{Material, Sky};
     use std::collections::BTreeSet;
 
     /// A 3-4-5 triangle that emits from both sides, under a sky.
@@ -224,7 +249,7 @@ mod tests {
             emission: [1.0, 2.0, 0.0],
             two_sided: true,
         });
-        scene.sky = Some([1.0; 3]);
+        scene.sky = Some(Sky::constant([1.0; 3]));
         scene
     }
 

@@ -40,7 +40,7 @@ impl Contents {
             let what = plural(m.triangles as u64, "triangle");
             line(
                 "material",
-                format!("{}: albedo {}, {what}", m.name, list(m.albedo)),
+                format!("{}: albedo {}, {what}", name(&m.name), list(m.albedo)),
             );
         }
         for l in &self.lights {
@@ -49,7 +49,7 @@ impl Contents {
                 0 => String::new(),
                 n => format!(", {}", plural(n as u64, "triangle")),
             };
-            let name = &l.name;
+            let name = name(&l.name);
             line(
                 "light",
                 format!("{name}: {radiance} W/m^2/sr, {power} W{what}"),
@@ -58,17 +58,31 @@ impl Contents {
         if self.lights.is_empty() {
             line("light", "none".to_owned());
         }
+        let mut row = |table: &str, size: usize, each: Option<f64>| {
+            let each = each.map_or_else(String::new, |b| format!("  {b:.1} B a triangle"));
+            let what = format!("{table:<20} {:>9}{each}", bytes(size as u64));
+            line("memory", what);
+        };
         for t in &self.memory {
-            line(
-                "memory",
-                format!("{:<20} {}", t.table, bytes(t.bytes as u64)),
-            );
+            row(t.table, t.bytes, t.bytes_per_triangle);
         }
-        let all: usize = self.memory.iter().map(|t| t.bytes).sum();
-        line("memory", format!("{:<20} {}", "in all", bytes(all as u64)));
+        let all = self.memory.iter().map(|t| t.bytes).sum();
+        row("in all", all, None);
+        if let Some(each) = self.bytes_per_triangle {
+            let geometry = self
+                .memory
+                .iter()
+                .filter(|t| t.bytes_per_triangle.is_some());
+            row("without film", geometry.map(|t| t.bytes).sum(), Some(each));
+        }
         line("hash", self.hash.clone());
         text
     }
+}
+
+/// Files may leave their materials without a name.
+fn name(name: &str) -> &str {
+    if name.is_empty() { "(unnamed)" } else { name }
 }
 
 fn vertices(n: usize) -> String {

@@ -1,15 +1,21 @@
 //! Files of geometry that a scene names.
 
 pub(super) mod mtl;
-pub(super) mod obj;
-mod scan;
+mod obj;
+mod piece;
+mod ply;
+mod statements;
 
 use super::compiled::Material;
+use super::error::SceneError;
+use std::io::{self, Read};
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Triangles of a file in its own space.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Imported {
-    /// Positions, all finite.
+    /// Positions, all finite, each used by a triangle.
     pub(super) vertices: Vec<[f32; 3]>,
     /// Vertex indices, all valid, counter-clockwise seen from the front.
     pub(super) triangles: Vec<[u32; 3]>,
@@ -19,4 +25,99 @@ pub(super) struct Imported {
     pub(super) materials: Vec<Material>,
     /// What had to be left out or guessed.
     pub(super) warnings: Vec<String>,
+}
+
+/// How much geometry there is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Vertices.
+    pub vertices: u64,
+    /// Triangles.
+    pub triangles: u64,
+}
+
+impl std::ops::Add for Counts {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self {
+            vertices: self.vertices.saturating_add(other.vertices),
+            triangles: self.triangles.saturating_add(other.triangles),
+        }
+    }
+}
+
+/// Kinds of files of geometry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Format {
+    Obj,
+    Ply,
+}
+
+impl Format {
+    /// The format of a file of geometry by its name.
+    pub(super) fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?;
+        let is = |name: &str| extension.eq_ignore_ascii_case(name);
+        if is("obj") {
+            Some(Self::Obj)
+        } else {
+            is("ply").then_some(Self::Ply)
+        }
+    }
+
+    /// Loads the file at `path`; `read` grows by the bytes read.
+    pub(super) fn load(self, path: &Path, read: &AtomicU64) -> Result<Imported, SceneError> {
+        match self {
+            Self::Obj => obj::load(path, read),
+            Self::Ply => ply::load(path, read),
+        }
+    }
+
+    /// Counts what the file at `path` holds, without keeping any of it: exact for a file that is
+    /// right.
+    pub(super) fn count(self, path: &Path) -> Result<Counts, SceneError> {
+        match self {
+            Self::Obj => obj::count(path),
+            Self::Ply => ply::count(path),
+        }
+    }
+}
+
+impl Imported {
+    /// Leaves out vertices that no triangle uses: they would count in the scene's box.
+    fn drop_unused_vertices(&mut self) {
+        let mut used = vec![false; self.vertices.len()];
+        for &vertex in self.triangles.as_flattened() {
+            used[vertex as usize] = true;
+        }
+        if used.iter().all(|&used| used) {
+            return;
+        }
+        let mut moved = Vec::with_capacity(used.len());
+        let mut kept = 0;
+        for &used in &used {
+            moved.push(kept);
+            kept += u32::from(used);
+        }
+        let mut used = used.into_iter();
+        self.vertices.retain(|_| used.next() == Some(true));
+        for vertex in self.triangles.as_flattened_mut() {
+            *vertex = moved[*vertex as usize];
+        }
+    }
+}
+
+/// Counts the bytes that pass.
+#[derive(Debug)]
+struct Counted<'a, R> {
+    reader: R,
+    read: &'a AtomicU64,
+}
+
+impl<R: Read> Read for Counted<'_, R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.reader.read(buffer)?;
+        self.read.fetch_add(count as u64, Ordering::Relaxed);
+        Ok(count)
+    }
 }

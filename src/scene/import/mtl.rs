@@ -1,10 +1,12 @@
 //! Wavefront MTL: what a Lambertian material takes of it, `Kd` and `Ke`, and warnings for what
 //! would change the picture but is not supported.
 
-use super::scan::{split, statements, text};
+use super::Imported;
+use super::statements::{split, statements, text};
 use crate::scene::compiled::Material;
+use crate::scene::error::io_message;
 use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Reflectance of a surface that nothing describes.
 const GREY: f32 = 0.5;
@@ -132,6 +134,74 @@ impl Library {
             }
         };
         self.notes.iter().filter_map(line).collect()
+    }
+}
+
+/// Gives `imported` one material for each name that the OBJ file at `path` uses, from the MTL files
+/// that its lines name; grey where none describes it.
+pub(super) fn materials(
+    path: &Path,
+    libraries: &[(usize, String)],
+    used: &[String],
+    imported: &mut Imported,
+) {
+    let mut library = Library::default();
+    let mut complete = true;
+    for (line, written) in libraries {
+        for file in library_files(path, written) {
+            if let Err(e) = library.read(&file) {
+                complete = false;
+                imported.warnings.push(format!(
+                    "{}:{line}: material library {}: {}; its materials are taken as grey",
+                    path.display(),
+                    file.display(),
+                    io_message(&e),
+                ));
+            }
+        }
+    }
+    let mut unknown = Vec::new();
+    for name in used {
+        let material = library.material(name);
+        if material.is_none() && !name.is_empty() {
+            unknown.push(name);
+        }
+        let material = material.unwrap_or_else(|| grey(name));
+        imported.materials.push(material);
+    }
+    // Of a missing library no name can be found: that was warned about already.
+    if let (true, [first, more @ ..]) = (complete, &unknown[..]) {
+        let names = match more.len() {
+            0 => format!("material `{first}` is"),
+            n => format!("material `{first}` and {n} more are"),
+        };
+        let file = path.display();
+        imported
+            .warnings
+            .push(format!("{file}: {names} in no MTL file; taken as grey"));
+    }
+    let used = |name: &str| used.iter().any(|n| n == name);
+    imported.warnings.extend(library.warnings(used));
+}
+
+/// A name may hold blanks, and a line may hold several names: the whole of it comes first.
+fn library_files(obj: &Path, written: &str) -> Vec<PathBuf> {
+    let folder = obj.parent().unwrap_or(Path::new(""));
+    let locate = |name: &str| {
+        let direct = folder.join(name);
+        let unixlike = folder.join(name.replace('\\', "/"));
+        if !direct.exists() && unixlike.exists() {
+            unixlike
+        } else {
+            direct
+        }
+    };
+    let whole = locate(written);
+    let words: Vec<PathBuf> = written.split_ascii_whitespace().map(locate).collect();
+    if !whole.exists() && words.len() > 1 && words.iter().any(|w| w.exists()) {
+        words
+    } else {
+        vec![whole]
     }
 }
 

@@ -1,176 +1,304 @@
-//! Wavefront OBJ: polygons and material names, read by tobj behind a scan that finds lines.
+//! Wavefront OBJ: polygons and material names.
+//!
+//! The file is read in pieces, a few at a time: they are understood in parallel (`piece.rs`) and
+//! appended in order, so the result does not depend on how many threads there are, and of the text
+//! no more is held than those pieces.
 
-use super::Imported;
-use super::mtl;
-use super::scan::{Scanned, bad_vertex, scan, text};
-use crate::scene::error::{SceneError, io_message};
+use super::piece::{Cut, Piece};
+use super::statements::{Pieces, text};
+use super::{Counted, Counts, Imported, mtl};
+use crate::scene::error::SceneError;
 use crate::scene::triangulate::triangulate;
 use glam::DVec3;
+use rayon::prelude::*;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::atomic::AtomicU64;
 
-/// Loads the OBJ file at `path` and the MTL files that it names.
+/// Bytes of a piece: enough to keep a core busy for milliseconds, few enough to stay in its cache
+/// together with what is made of it.
+const PIECE: usize = 1 << 20;
+
+/// Loads the OBJ file at `path` and the MTL files that it names; `read` grows by the bytes read.
 ///
 /// # Errors
 /// A file that is missing or has no faces, an index of no vertex, a coordinate that is no finite
 /// number: with the line.
-pub(in crate::scene) fn load(path: &Path) -> Result<Imported, SceneError> {
-    let bytes = std::fs::read(path).map_err(|e| SceneError::io(path, &e))?;
-    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-        return Err(SceneError::file(path, "is UTF-16 text, expected UTF-8"));
-    }
-    let text = text(&bytes);
-    let scanned = scan(path, &text)?;
-    if scanned.faces == 0 {
-        return Err(SceneError::file(
-            path,
-            "has no faces, expected at least one",
-        ));
-    }
-    let mut imported = Imported::default();
-    materials(path, &scanned, &mut imported);
-    polygons(path, &text, &scanned, &mut imported)?;
-    leftovers(path, &scanned, &mut imported.warnings);
-    Ok(imported)
+pub(super) fn load(path: &Path, read: &AtomicU64) -> Result<Imported, SceneError> {
+    load_by(path, read, PIECE)
 }
 
-/// One material for each name that the file uses; grey where no MTL file describes it.
-fn materials(path: &Path, scanned: &Scanned, imported: &mut Imported) {
-    let mut library = mtl::Library::default();
-    let mut complete = true;
-    for (line, written) in &scanned.libraries {
-        for file in library_files(path, written) {
-            if let Err(e) = library.read(&file) {
-                complete = false;
-                imported.warnings.push(format!(
-                    "{}:{line}: material library {}: {}; its materials are taken as grey",
-                    path.display(),
-                    file.display(),
-                    io_message(&e),
-                ));
+/// The same in pieces of `size` bytes.
+fn load_by(path: &Path, read: &AtomicU64, size: usize) -> Result<Imported, SceneError> {
+    let mut reading = Reading::default();
+    batches(path, read, size, |pieces| reading.append(path, pieces))?;
+    if reading.largest.0 > reading.vertices.len() as u64 {
+        let (index, line) = reading.largest;
+        let count = reading.vertices.len();
+        let message = format!(
+            "a face has vertex index {index}, expected one of the {count} vertices of the file"
+        );
+        return Err(SceneError::line(path, line, message));
+    }
+    if reading.triangles.is_empty() {
+        let message = "has no faces, expected at least one";
+        return Err(SceneError::file(path, message));
+    }
+    Ok(reading.finish(path))
+}
+
+/// Counts vertices and triangles without keeping anything. What is wrong with the file is left for
+/// [`load`] to say.
+pub(super) fn count(path: &Path) -> Result<Counts, SceneError> {
+    let mut counts = Counts::default();
+    batches(path, &AtomicU64::new(0), PIECE, |pieces| {
+        let of = |bytes: &Vec<u8>| {
+            let mut counts = Counts::default();
+            for line in bytes.split(|&b| b == b'\n') {
+                match line.trim_ascii_start() {
+                    [b'v', b' ' | b'\t', ..] => counts.vertices += 1,
+                    [b'f', b' ' | b'\t', rest @ ..] => {
+                        let words = rest.split(u8::is_ascii_whitespace);
+                        let corners = words.filter(|word| !word.is_empty()).count();
+                        counts.triangles += corners.saturating_sub(2) as u64;
+                    }
+                    _ => {}
+                }
+            }
+            counts
+        };
+        let sum = pieces
+            .par_iter()
+            .map(of)
+            .reduce(Counts::default, |a, b| a + b);
+        counts = counts + sum;
+        Ok(())
+    })?;
+    Ok(counts)
+}
+
+/// Hands the file's pieces to `each`, a few at a time.
+fn batches(
+    path: &Path,
+    read: &AtomicU64,
+    size: usize,
+    mut each: impl FnMut(Vec<Vec<u8>>) -> Result<(), SceneError>,
+) -> Result<(), SceneError> {
+    let file = std::fs::File::open(path).map_err(|e| SceneError::io(path, &e))?;
+    let mut pieces = Pieces::new(Counted { reader: file, read }, size);
+    let at_once = 2 * rayon::current_num_threads();
+    let mut first = true;
+    loop {
+        let mut batch = Vec::with_capacity(at_once);
+        while batch.len() < at_once {
+            match pieces.next().map_err(|e| SceneError::io(path, &e))? {
+                Some(piece) => batch.push(piece),
+                None => break,
             }
         }
-    }
-    let mut unknown = Vec::new();
-    for name in &scanned.names {
-        let material = library.material(name);
-        if material.is_none() && !name.is_empty() {
-            unknown.push(name);
-        }
-        let material = material.unwrap_or_else(|| mtl::grey(name));
-        imported.materials.push(material);
-    }
-    // Of a missing library no name can be found: that was warned about already.
-    if let (true, [first, more @ ..]) = (complete, &unknown[..]) {
-        let names = match more.len() {
-            0 => format!("material `{first}` is"),
-            n => format!("material `{first}` and {n} more are"),
+        let Some(start) = batch.first() else {
+            return Ok(());
         };
-        let file = path.display();
-        imported
-            .warnings
-            .push(format!("{file}: {names} in no MTL file; taken as grey"));
-    }
-    let used = |name: &str| scanned.names.iter().any(|n| n == name);
-    imported.warnings.extend(library.warnings(used));
-}
-
-/// A name may hold blanks, and a line may hold several names: the whole of it comes first.
-fn library_files(obj: &Path, written: &str) -> Vec<PathBuf> {
-    let folder = obj.parent().unwrap_or(Path::new(""));
-    let locate = |name: &str| {
-        let direct = folder.join(name);
-        let unixlike = folder.join(name.replace('\\', "/"));
-        if !direct.exists() && unixlike.exists() {
-            unixlike
-        } else {
-            direct
+        if first && (start.starts_with(b"\xff\xfe") || start.starts_with(b"\xfe\xff")) {
+            return Err(SceneError::file(path, "is UTF-16 text, expected UTF-8"));
         }
-    };
-    let whole = locate(written);
-    let words: Vec<PathBuf> = written.split_ascii_whitespace().map(locate).collect();
-    if !whole.exists() && words.len() > 1 && words.iter().any(|w| w.exists()) {
-        words
-    } else {
-        vec![whole]
+        first = false;
+        each(batch)?;
     }
 }
 
-/// Positions and triangles through tobj.
-fn polygons(
-    path: &Path,
-    text: &str,
-    scanned: &Scanned,
-    imported: &mut Imported,
-) -> Result<(), SceneError> {
-    let options = tobj::LoadOptions {
-        single_index: true,
-        ..tobj::LoadOptions::default()
-    };
-    let numbered = |_: &Path| {
-        let named = |i: usize| tobj::Material {
-            name: i.to_string(),
-            ..tobj::Material::default()
+/// An OBJ file on its way in.
+#[derive(Debug, Default)]
+struct Reading {
+    vertices: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    material: Vec<u32>,
+    /// Names of materials in the order of their first face; faces before any `usemtl` have the
+    /// empty name.
+    names: Vec<String>,
+    numbers: HashMap<String, u32>,
+    /// What `usemtl` said last.
+    current: String,
+    libraries: Vec<(usize, String)>,
+    lines: usize,
+    largest: (u64, usize),
+    late: Vec<(usize, Vec<u32>)>,
+    degenerate: usize,
+    free_form: bool,
+}
+
+impl Reading {
+    fn append(&mut self, path: &Path, batch: Vec<Vec<u8>>) -> Result<(), SceneError> {
+        let read = |bytes: Vec<u8>| {
+            let lines = bytes.iter().filter(|&&b| b == b'\n').count();
+            (lines, Piece::read(&text(&bytes)))
         };
-        let all: Vec<_> = (0..scanned.names.len()).map(named).collect();
-        let index: HashMap<_, _> = (0..all.len()).map(|i| (i.to_string(), i)).collect();
-        let index = index.into_iter().collect();
-        Ok((all, index))
-    };
-    let bad = |fallback: String| match bad_vertex(text) {
-        Some((line, message)) => SceneError::line(path, line, message),
-        None => SceneError::file(path, fallback),
-    };
-    let (models, _) = tobj::load_obj_buf(&mut scanned.plain.as_bytes(), &options, numbered)
-        .map_err(|e| bad(e.to_string()))?;
-    let mut corners = Vec::new();
-    let mut cut = Vec::new();
-    for model in models {
-        let mesh = model.mesh;
-        let base = imported.vertices.len();
-        let positions = mesh.positions.chunks_exact(3).map(|p| [p[0], p[1], p[2]]);
-        imported.vertices.extend(positions);
-        if u32::try_from(imported.vertices.len()).is_err() {
+        let pieces: Vec<(usize, Piece)> = batch.into_par_iter().map(read).collect();
+        let mut before = Vec::with_capacity(pieces.len());
+        for (_, piece) in &pieces {
+            before.push(self.vertices.len());
+            self.vertices.extend_from_slice(&piece.vertices);
+        }
+        if u32::try_from(self.vertices.len()).is_err() {
             return Err(SceneError::file(path, "has more than 4294967295 vertices"));
         }
-        if mesh.positions.iter().any(|x| !x.is_finite()) {
-            return Err(bad("a vertex is not finite".to_owned()));
+        let known = &self.vertices;
+        let cuts: Vec<Cut> = pieces
+            .par_iter()
+            .zip(&before)
+            .map(|((_, piece), &before)| piece.cut(known, before))
+            .collect();
+        for (((lines, piece), cut), before) in pieces.into_iter().zip(cuts).zip(before) {
+            // The faces of a piece stand before what ended its reading.
+            if let Some(problem) = cut.problem.as_ref().or(piece.problem.as_ref()) {
+                let line = self.lines + problem.line;
+                return Err(SceneError::line(path, line, problem.message(before)));
+            }
+            self.take(lines, piece, cut);
         }
-        let mut rest = mesh.indices.as_slice();
-        let mut arities = mesh.face_arities.iter();
-        while !rest.is_empty() {
-            // tobj gives no arities where all faces are triangles.
-            let arity = arities.next().map_or(3, |&n| n as usize);
-            let (face, after) = rest.split_at(arity);
-            rest = after;
-            corners.clear();
-            corners.extend(
-                face.iter().map(|&v| {
-                    DVec3::from_array(imported.vertices[base + v as usize].map(f64::from))
-                }),
-            );
+        Ok(())
+    }
+
+    fn take(&mut self, lines: usize, piece: Piece, cut: Cut) {
+        let base = self.triangles.len();
+        self.triangles.extend_from_slice(&cut.triangles);
+        let names = piece.materials.into_iter().map(|(_, name)| Some(name));
+        for (&end, name) in cut.ends.iter().zip(names.chain([None])) {
+            // Names that no face uses are passed over.
+            if base + end > self.material.len() {
+                let number = self.number();
+                self.material.resize(base + end, number);
+            }
+            self.current = name.unwrap_or_else(|| std::mem::take(&mut self.current));
+        }
+        if cut.largest.0 > self.largest.0 {
+            self.largest = (cut.largest.0, self.lines + cut.largest.1);
+        }
+        let late = cut
+            .late
+            .into_iter()
+            .map(|(at, corners)| (base + at, corners));
+        self.late.extend(late);
+        let libraries = piece.libraries.into_iter();
+        self.libraries
+            .extend(libraries.map(|(line, text)| (self.lines + line, text)));
+        self.degenerate += cut.degenerate;
+        self.free_form |= piece.free_form;
+        self.lines += lines;
+    }
+
+    /// Number of the current material.
+    fn number(&mut self) -> u32 {
+        if let Some(&number) = self.numbers.get(&self.current) {
+            return number;
+        }
+        let number = self.names.len() as u32;
+        self.names.push(self.current.clone());
+        self.numbers.insert(self.current.clone(), number);
+        number
+    }
+
+    /// All indices are valid now.
+    fn finish(mut self, path: &Path) -> Imported {
+        let mut cut = Vec::new();
+        for (at, indices) in std::mem::take(&mut self.late) {
+            let corner = |&i: &u32| DVec3::from_array(self.vertices[i as usize].map(f64::from));
+            let corners: Vec<DVec3> = indices.iter().map(corner).collect();
             cut.clear();
             triangulate(&corners, &mut cut);
-            let world = |t: &[u32; 3]| t.map(|i| base as u32 + face[i as usize]);
-            imported.triangles.extend(cut.iter().map(world));
+            for (hole, t) in self.triangles[at..].iter_mut().zip(&cut) {
+                *hole = t.map(|i| indices[i as usize]);
+            }
         }
-        let material = mesh.material_id.unwrap_or(0) as u32;
-        imported.material.resize(imported.triangles.len(), material);
+        let mut imported = Imported {
+            vertices: self.vertices,
+            triangles: self.triangles,
+            material: self.material,
+            ..Imported::default()
+        };
+        mtl::materials(path, &self.libraries, &self.names, &mut imported);
+        let file = path.display();
+        if self.degenerate > 0 {
+            imported.warnings.push(format!(
+                "{file}: faces with fewer than three corners: {} left out",
+                self.degenerate
+            ));
+        }
+        if self.free_form {
+            imported.warnings.push(format!(
+                "{file}: curves and surfaces of higher order are not supported; left out"
+            ));
+        }
+        imported.drop_unused_vertices();
+        imported
     }
-    Ok(())
 }
 
-fn leftovers(path: &Path, scanned: &Scanned, warnings: &mut Vec<String>) {
-    let file = path.display();
-    if scanned.degenerate > 0 {
-        warnings.push(format!(
-            "{file}: faces with fewer than three corners: {} left out",
-            scanned.degenerate
-        ));
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever the size of the pieces, and with any number of threads, the answer is the same.
+    fn by_all_sizes(text: &str) -> Result<Imported, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.obj");
+        std::fs::write(&path, text).unwrap();
+        let load = |size, threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let read = AtomicU64::new(0);
+            let loaded = pool
+                .build()
+                .unwrap()
+                .install(|| load_by(&path, &read, size));
+            loaded.map_err(|e| format!("{:?} {}", e.line_number(), e.message()))
+        };
+        let whole = load(text.len() + 1, 1);
+        for size in 1..text.len() {
+            let parts = load(size, 1 + size % 3);
+            assert_eq!(
+                format!("{parts:?}"),
+                format!("{whole:?}"),
+                "pieces of {size}"
+            );
+        }
+        whole
     }
-    if scanned.free_form {
-        warnings.push(format!(
-            "{file}: curves and surfaces of higher order are not supported; left out"
-        ));
+
+    #[test]
+    fn pieces_make_no_difference() {
+        // A concave quadrilateral before its vertices, relative indices, and materials between.
+        let imported = by_all_sizes(
+            "f 1 2 3 4\nv 4 2 0\nv 0 0 0\nusemtl red\nv 4 -2 0\nv 1 0 0\nf -1 -2 -3 -4\n\
+             usemtl none\nusemtl blue\nf 1 2 3\nusemtl red\nv 9 9 9\nf -2 -3 -4\nf 1 2\n",
+        )
+        .unwrap();
+        assert_eq!(imported.vertices.len(), 4);
+        assert_eq!(imported.material, [0, 0, 1, 1, 2, 1]);
+        let names: Vec<&str> = imported.materials.iter().map(|m| m.name.as_str()).collect();
+        assert_eq!(names, ["", "red", "blue"]);
+        // Both quadrilaterals are one arrow head, cut from its notch to its tip.
+        for t in &imported.triangles[..4] {
+            assert!(t.contains(&1) && t.contains(&3), "{t:?}");
+        }
+    }
+
+    #[test]
+    fn pieces_make_no_difference_to_errors() {
+        for (text, expected) in [
+            (
+                "v 0 0 0\nv 1 0 0\nf 1 2 -1\nf 1 2 -3\nv x\n",
+                "Some(4) a face has vertex index -3, with only 2 vertices before it",
+            ),
+            (
+                "v 0 0 0\nv 1 0 0\n# a\nv 0 nan 0\nf 0 1 2\n",
+                "Some(4) vertex 3 has coordinate `nan`, expected a finite number",
+            ),
+            (
+                "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\nf 1 2 5\nf 1 2 5\n",
+                "Some(5) a face has vertex index 5, expected one of the 3 vertices of the file",
+            ),
+        ] {
+            assert_eq!(by_all_sizes(text).unwrap_err(), expected);
+        }
     }
 }

@@ -1,0 +1,154 @@
+//! One mesh: Huygens and Embree over its four sets of rays.
+
+use crate::agree::{Agreement, differences};
+use crate::catalogue::Subject;
+use crate::embree::{Device, Packets, Quality, Scene, Single, Stream};
+use crate::ours::Ours;
+use crate::queue::{Closest, Found, Occluded, Queue};
+use crate::rounds::{Timings, Variant};
+use crate::sets::Sets;
+
+/// What Huygens is called in timings.
+pub(crate) const OURS: &str = "ours";
+/// What Huygens is compared with: column heads of the table. Packets are for camera rays alone.
+///
+/// There is no robust HIGH: in robust mode Embree 3.13 makes no spatial splits whatever the quality
+/// (measured: the same bytes, build times and speed as MEDIUM).
+pub(crate) const PEERS: [&str; 7] = [
+    "robust",
+    "default",
+    "HIGH",
+    "robust stream",
+    "stream",
+    "robust packets",
+    "packets",
+];
+
+/// What is known of one mesh afterwards.
+pub(crate) struct Measured {
+    pub(crate) name: &'static str,
+    pub(crate) triangles: usize,
+    /// Bytes a triangle of tree and leaves: ours, Embree's robust, default and HIGH.
+    pub(crate) bytes: [f64; 4],
+    /// Timings by set.
+    pub(crate) timings: Vec<(&'static str, Timings)>,
+    /// Agreement with Embree robust and default, by closest-hit set.
+    pub(crate) agreement: Vec<(&'static str, [Agreement; 2])>,
+    /// Shadow rays that we call blocked and Embree (robust, default) free, and the reverse.
+    pub(crate) shadows: [(usize, usize); 2],
+}
+
+/// The builds of Embree over one mesh.
+struct Scenes<'d> {
+    plain: Scene<'d>,
+    robust: Scene<'d>,
+    high: Scene<'d>,
+}
+
+impl<'d> Scenes<'d> {
+    fn build(device: &'d Device, subject: &Subject) -> Result<Self, String> {
+        let build = |quality, robust| {
+            Scene::prepare(device, &subject.mesh, quality, robust).and_then(Scene::commit)
+        };
+        Ok(Self {
+            plain: build(Quality::Medium, false)?,
+            robust: build(Quality::Medium, true)?,
+            high: build(Quality::High, false)?,
+        })
+    }
+}
+
+/// Measures `subject` with queues of `n` rays in so many rounds.
+///
+/// # Errors
+/// If Embree fails, or the scene gives no rays.
+pub(crate) fn measure(
+    subject: &Subject,
+    n: usize,
+    rounds: usize,
+    threads: usize,
+) -> Result<Measured, String> {
+    let device = Device::new(threads)?;
+    let (ours, scenes) = (Ours::build(&subject.mesh), Scenes::build(&device, subject)?);
+    let sets = Sets::make(subject, &ours, n)?;
+    let mut timings = Vec::new();
+    let mut agreement = Vec::new();
+    for (name, queue) in [("camera", &sets.camera), ("b1", &sets.b1), ("b2", &sets.b2)] {
+        timings.push((name, closest(queue, &ours, &scenes, rounds)));
+        let found = |tracer: &dyn Closest| {
+            let mut found = Found::new(queue.len());
+            tracer.closest(queue, &mut found);
+            found
+        };
+        let first = found(&ours);
+        let judge = |scene| Agreement::judge(&subject.mesh, queue, &first, &found(&Single(scene)));
+        agreement.push((name, [judge(&scenes.robust), judge(&scenes.plain)]));
+    }
+    timings.push(("sh1", occluded(&sets.sh1, &ours, &scenes, rounds)));
+    let blocked = |tracer: &dyn Occluded| {
+        let mut blocked = vec![0; sets.sh1.t_max.len()];
+        tracer.occluded(&sets.sh1, &mut blocked);
+        blocked
+    };
+    let first = blocked(&ours);
+    let differ = |scene| differences(sets.sh1.len(), &first, &blocked(&Single(scene)));
+    let each = |bytes: usize| bytes as f64 / subject.mesh.triangles() as f64;
+    Ok(Measured {
+        name: subject.name,
+        triangles: subject.mesh.triangles(),
+        bytes: [
+            each(ours.bytes()),
+            each(scenes.robust.bytes),
+            each(scenes.plain.bytes),
+            each(scenes.high.bytes),
+        ],
+        timings,
+        agreement,
+        shadows: [differ(&scenes.robust), differ(&scenes.plain)],
+    })
+}
+
+fn closest(queue: &Queue, ours: &Ours, scenes: &Scenes, rounds: usize) -> Timings {
+    let mut tracers: Vec<(&'static str, Box<dyn Closest + '_>)> = vec![
+        ("robust", Box::new(Single(&scenes.robust))),
+        ("default", Box::new(Single(&scenes.plain))),
+        ("HIGH", Box::new(Single(&scenes.high))),
+        ("robust stream", Box::new(Stream(&scenes.robust))),
+        ("stream", Box::new(Stream(&scenes.plain))),
+    ];
+    if queue.coherent {
+        tracers.push(("robust packets", Box::new(Packets(&scenes.robust))));
+        tracers.push(("packets", Box::new(Packets(&scenes.plain))));
+    }
+    let mut found = Found::new(queue.len());
+    let found = std::cell::RefCell::new(&mut found);
+    let mut variants: Vec<Variant> = vec![(
+        OURS,
+        Box::new(|| ours.closest(queue, &mut found.borrow_mut())),
+    )];
+    for (name, tracer) in &tracers {
+        let work = || tracer.closest(queue, &mut found.borrow_mut());
+        variants.push((name, Box::new(work)));
+    }
+    Timings::take(queue.len(), rounds, variants)
+}
+
+fn occluded(queue: &Queue, ours: &Ours, scenes: &Scenes, rounds: usize) -> Timings {
+    let tracers: [(&'static str, Box<dyn Occluded + '_>); 5] = [
+        ("robust", Box::new(Single(&scenes.robust))),
+        ("default", Box::new(Single(&scenes.plain))),
+        ("HIGH", Box::new(Single(&scenes.high))),
+        ("robust stream", Box::new(Stream(&scenes.robust))),
+        ("stream", Box::new(Stream(&scenes.plain))),
+    ];
+    let blocked = std::cell::RefCell::new(vec![0; queue.t_max.len()]);
+    let mut variants: Vec<Variant> = vec![(
+        OURS,
+        Box::new(|| ours.occluded(queue, &mut blocked.borrow_mut())),
+    )];
+    for (name, tracer) in &tracers {
+        let work = || tracer.occluded(queue, &mut blocked.borrow_mut());
+        variants.push((name, Box::new(work)));
+    }
+    Timings::take(queue.len(), rounds, variants)
+}

@@ -1,0 +1,184 @@
+//! What was measured, as tables, and the line that scripts read.
+
+use crate::agree::Agreement;
+use crate::builds::Builds;
+use crate::measure::{Measured, OURS, PEERS};
+use crate::rounds::Timings;
+use crate::statistics::{Spread, median};
+use crate::table::Table;
+
+fn ratio(spread: Option<Spread>) -> String {
+    spread.map_or_else(String::new, |s| format!("{:.2}", s.median))
+}
+
+fn ratio_and_range(spread: Option<Spread>) -> String {
+    spread.map_or_else(String::new, |s| {
+        format!("{:.2} ({:.2}-{:.2})", s.median, s.low, s.high)
+    })
+}
+
+/// Rays a second, and how many times as fast as each variant of Embree ours are.
+pub(crate) fn rays(all: &[Measured]) -> Table {
+    let mut head = vec!["mesh", "rays", "Huygens Mray/s", "/ robust (range)"];
+    let others: Vec<String> = PEERS[1..].iter().map(|p| format!("/ {p}")).collect();
+    head.extend(others.iter().map(String::as_str));
+    let mut table = Table::new(&head);
+    for measured in all {
+        for (set, timings) in &measured.timings {
+            let rate = timings.rate(OURS).unwrap_or(f64::NAN);
+            let mut row = vec![
+                measured.name.to_owned(),
+                (*set).to_owned(),
+                format!("{rate:.2}"),
+                ratio_and_range(timings.ratio(OURS, PEERS[0])),
+            ];
+            row.extend(PEERS[1..].iter().map(|p| ratio(timings.ratio(OURS, p))));
+            table.row(row);
+        }
+    }
+    for set in ["camera", "b1", "b2", "sh1"] {
+        let middle = |peer: &str| median_ratio(all, set, peer);
+        let cell = |peer: &&str| {
+            let m = middle(peer);
+            if m.is_nan() {
+                String::new()
+            } else {
+                format!("{m:.2}")
+            }
+        };
+        let mut row = vec!["**median**".to_owned(), set.to_owned(), String::new()];
+        row.extend(PEERS.iter().map(cell));
+        table.row(row);
+    }
+    table
+}
+
+fn timings<'a>(measured: &'a Measured, set: &str) -> Option<&'a Timings> {
+    let found = measured.timings.iter().find(|(name, _)| *name == set);
+    found.map(|(_, timings)| timings)
+}
+
+/// Median over meshes of the ratio to `peer` on `set`.
+fn median_ratio(all: &[Measured], set: &str, peer: &str) -> f64 {
+    let ratios: Vec<f64> = all
+        .iter()
+        .filter_map(|m| timings(m, set)?.ratio(OURS, peer))
+        .map(|s| s.median)
+        .collect();
+    median(&ratios)
+}
+
+/// The last line.
+pub(crate) fn last_line(all: &[Measured]) -> String {
+    let [b2, sh1] = ["b2", "sh1"].map(|set| median_ratio(all, set, PEERS[0]));
+    format!("median robust-ratio b2 {b2:.2} sh1 {sh1:.2}")
+}
+
+/// Triangles, and bytes a triangle of tree and leaves.
+pub(crate) fn memory(all: &[Measured]) -> Table {
+    let mut table = Table::new(&[
+        "bytes a triangle",
+        "triangles",
+        "Huygens",
+        "Embree robust",
+        "default",
+        "HIGH",
+    ]);
+    for m in all {
+        let mut row = vec![m.name.to_owned(), m.triangles.to_string()];
+        row.extend(m.bytes.iter().map(|b| format!("{b:.0}")));
+        table.row(row);
+    }
+    table
+}
+
+/// Build speeds by mesh and threads.
+pub(crate) fn builds(all: &[(&str, Vec<Builds>)]) -> Table {
+    let mut table = Table::new(&[
+        "builds, Mtriangles/s",
+        "threads",
+        "Huygens",
+        "MEDIUM",
+        "HIGH",
+        "Huygens / MEDIUM (range)",
+        "by CPU",
+        "efficiency Huygens, MEDIUM",
+        "CPU/wall Huygens, MEDIUM",
+    ]);
+    for (name, rows) in all {
+        let one = rows.iter().find(|b| b.threads == 1);
+        for b in rows {
+            let efficiency = one.map_or_else(String::new, |one| {
+                let each = b.threads as f64;
+                let share = |many: f64, one: f64| 100.0 * many / (one * each);
+                let (ours, theirs) = (share(b.ours, one.ours), share(b.medium, one.medium));
+                format!("{ours:.0}%, {theirs:.0}%")
+            });
+            table.row(vec![
+                (*name).to_owned(),
+                b.threads.to_string(),
+                format!("{:.2}", b.ours),
+                format!("{:.2}", b.medium),
+                format!("{:.2}", b.high),
+                ratio_and_range(Some(b.ratio)),
+                format!("{:.2}", b.cpu_ratio),
+                efficiency,
+                format!("{:.2}, {:.2}", b.busy[0], b.busy[1]),
+            ]);
+        }
+    }
+    table
+}
+
+/// Whether both sides meet the same things.
+pub(crate) fn agreement(all: &[Measured]) -> Table {
+    let mut table = Table::new(&[
+        "hits",
+        "rays",
+        "Embree",
+        "same",
+        "rounding",
+        "wrong Huygens",
+        "wrong Embree",
+        "t off Huygens",
+        "t off Embree",
+    ]);
+    for m in all {
+        for (set, by_mode) in &m.agreement {
+            for (mode, a) in ["robust", "default"].into_iter().zip(by_mode) {
+                let Agreement {
+                    same,
+                    rounding,
+                    wrong,
+                    distance,
+                } = *a;
+                let counts = [same, rounding, wrong[0], wrong[1], distance[0], distance[1]];
+                let mut row = vec![m.name.to_owned(), (*set).to_owned(), mode.to_owned()];
+                row.extend(counts.iter().map(ToString::to_string));
+                table.row(row);
+            }
+        }
+    }
+    table
+}
+
+/// Shadow rays on which the two disagree.
+pub(crate) fn shadows(all: &[Measured]) -> Table {
+    let mut table = Table::new(&[
+        "sh1, of all",
+        "Embree",
+        "blocked for Huygens alone",
+        "blocked for Embree alone",
+    ]);
+    for m in all {
+        for (mode, (ours, theirs)) in ["robust", "default"].into_iter().zip(m.shadows) {
+            table.row(vec![
+                m.name.to_owned(),
+                mode.to_owned(),
+                ours.to_string(),
+                theirs.to_string(),
+            ]);
+        }
+    }
+    table
+}

@@ -1,0 +1,86 @@
+//! `--json`: the measures for scripts. The layout is an interface: `docs/accuracy.md` documents it,
+//! and a test holds the two together.
+
+use huygens::accuracy::{Difference, LEVEL, Picture};
+use huygens::film::output::{OutputError, write_atomically};
+use serde::Serialize;
+use std::io::Write;
+use std::path::Path;
+
+/// Version of the layout. It grows when a field changes its meaning or goes; new fields may appear
+/// without that.
+pub(crate) const SCHEMA: u32 = 1;
+
+/// The whole file.
+#[derive(Debug, Serialize)]
+pub(crate) struct Report<'a> {
+    schema: u32,
+    program: &'static str,
+    version: &'static str,
+    image: String,
+    reference: String,
+    width: u32,
+    height: u32,
+    level: f64,
+    #[serde(flatten)]
+    measures: &'a Difference,
+    /// The error that is white in the error image, if one was written.
+    scale: Option<f64>,
+}
+
+impl<'a> Report<'a> {
+    pub(crate) fn new(
+        image: &Path,
+        reference: &Path,
+        picture: Picture,
+        measures: &'a Difference,
+        scale: Option<f64>,
+    ) -> Self {
+        Self {
+            schema: SCHEMA,
+            program: "huygens",
+            version: env!("CARGO_PKG_VERSION"),
+            image: image.display().to_string(),
+            reference: reference.display().to_string(),
+            width: picture.width,
+            height: picture.height,
+            level: LEVEL,
+            measures,
+            scale,
+        }
+    }
+
+    /// Writes it to `path`, atomically.
+    pub(crate) fn write(&self, path: &Path) -> Result<(), OutputError> {
+        write_atomically(path, |writer| -> std::io::Result<()> {
+            serde_json::to_writer_pretty(&mut *writer, self)?;
+            writer.write_all(b"\n")
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::accuracy::documented;
+    use crate::cli::stats::tests::paths;
+    use huygens::accuracy::difference;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn the_layout_is_the_documented_one() {
+        let picture = Picture {
+            width: 1,
+            height: 1,
+            rgb: &[[1.0; 3]],
+            variance: Some(&[[1.0; 3]]),
+        };
+        let measures = difference(picture, picture).expect("comparable");
+        let report = Report::new("a".as_ref(), "b".as_ref(), picture, &measures, None);
+        let json = serde_json::to_value(&report).expect("serialised");
+        let mut found = BTreeSet::new();
+        paths(&json, "", &mut found);
+        assert_eq!(found, documented("diff --json"));
+        assert_eq!(json["schema"], SCHEMA);
+    }
+}

@@ -1,0 +1,127 @@
+//! Loading in steps: what is read, how often, and that threads make no difference.
+
+mod scene_folder;
+
+use huygens::scene::{Counts, Source};
+use scene_folder::{Folder, TRIANGLE};
+use std::sync::atomic::AtomicU64;
+
+const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+                   property float z\nelement face 1\nproperty list uchar int vertex_indices\n\
+                   end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+
+/// Two files, one of them three times; a box.
+const SCENE: &str = r#"
+[materials.red]
+[[shapes]]
+obj = "a.obj"
+transform = [{ translate = [0, 0, 1] }]
+[[shapes]]
+ply = "b.ply"
+material = "red"
+[[shapes]]
+obj = "a.obj"
+materials = { blue = "red" }
+[[shapes]]
+obj = "a.obj"
+transform = [{ scale = [-1, 1, 1] }]
+[[shapes]]
+box = { min = [0, 0, 0], max = [1, 1, 1] }
+[sky]
+radiance = 1
+"#;
+
+fn folder() -> Folder {
+    let obj = format!("{TRIANGLE}usemtl blue\nf 3 2 1\nf 1 1 1\n");
+    Folder::new()
+        .with("s.toml", SCENE)
+        .with("a.obj", obj)
+        .with("b.ply", PLY)
+}
+
+#[test]
+fn each_file_is_read_once() {
+    let folder = folder();
+    let source = Source::open(&folder.path("s.toml")).unwrap();
+    let size = |name| std::fs::metadata(folder.path(name)).unwrap().len();
+    assert_eq!(source.bytes(), size("a.obj") + size("b.ply"));
+    let all = source.bytes();
+    let read = AtomicU64::new(0);
+    source.parse(&read).unwrap();
+    assert_eq!(read.into_inner(), all);
+}
+
+#[test]
+fn what_is_counted_is_what_comes() {
+    let source = Source::open(&folder().path("s.toml"));
+    // The folder is gone; the scene knows it only when it looks at the files again.
+    assert!(source.unwrap().counts().is_err());
+    let folder = folder();
+    let source = Source::open(&folder.path("s.toml")).unwrap();
+    let counts = source.counts().unwrap();
+    let scene = source.parse(&AtomicU64::new(0)).unwrap().compile().unwrap();
+    // Of each a.obj, one triangle of three has no area.
+    assert_eq!(scene.mesh.triangles(), 3 * 2 + 1 + 12);
+    assert_eq!(
+        counts,
+        Counts {
+            vertices: scene.mesh.vertices.len() as u64,
+            triangles: scene.mesh.triangles() as u64 + 3,
+        }
+    );
+    assert_eq!(scene.mesh.material[..7], [1, 2, 0, 1, 0, 1, 2]);
+    // A mirror turns triangles over.
+    assert_eq!(
+        scene.mesh.corners(5),
+        [[0.0; 3], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]
+    );
+}
+
+#[test]
+fn threads_make_no_difference() {
+    let folder = folder();
+    let load = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let scene = pool.build().unwrap().install(|| folder.scene("s.toml"));
+        (scene.hash, scene.warnings)
+    };
+    assert_eq!(load(1), load(2));
+    assert_eq!(load(1), load(3));
+    // Of two files that are wrong, the one that is named first is reported.
+    let broken = folder.with("a.obj", "f 1 2 3\n").with("b.ply", "ply\n");
+    let error = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| broken.error("s.toml"))
+    };
+    for threads in 1..4 {
+        assert_eq!(
+            error(threads),
+            "a.obj:1: a face has vertex index 3, expected one of the 0 vertices of the file"
+        );
+    }
+}
+
+/// What can be known to be wrong without the geometry is said before that is read.
+#[test]
+fn mistakes_of_the_scene_come_before_those_of_its_files() {
+    let folder = folder().with("a.obj", "f 1 2 3\n");
+    for (wrong, expected) in [
+        (
+            "material = \"read\"",
+            "no material `read`, did you mean `red`?",
+        ),
+        (
+            "transform = [{ scale = [1, 1, 0] }]",
+            "the transformation is singular",
+        ),
+        (
+            "box = { min = [0, 0, 0], max = [1, 1, 1] }",
+            "expected exactly one of `obj`",
+        ),
+    ] {
+        let scene = format!("[materials.red]\n[[shapes]]\nobj = \"a.obj\"\n{wrong}\n");
+        std::fs::write(folder.path("t.toml"), scene).unwrap();
+        let error = folder.error("t.toml");
+        assert!(error.contains(expected), "{error}");
+    }
+}
