@@ -43,28 +43,25 @@ impl Binary {
     /// The trees that `preset` chooses from, over all triangles of `mesh` that are finite; none if
     /// there are no such triangles.
     pub(super) fn candidates(mesh: &Mesh, preset: Preset) -> Vec<Self> {
-        let boxes: Vec<Aabb> = (0..mesh.triangles())
-            .into_par_iter()
-            .map(|i| bounds(mesh, i))
-            .collect();
         // A scene promises finite vertices. Should one slip through, its triangles are left out
         // rather than let spoil every comparison of areas.
-        let kept: Vec<u32> = (0..boxes.len() as u32)
+        let kept: Vec<u32> = (0..mesh.triangles() as u32)
             .into_par_iter()
-            .filter(|&i| is_finite(&boxes[i as usize]))
+            .filter(|&i| is_finite(&bounds(mesh, i as usize)))
             .collect();
         if kept.is_empty() {
             return Vec::new();
         }
-        let largest = boxes
+        let largest = mesh
+            .vertices
             .par_iter()
-            .filter(|aabb| is_finite(aabb))
-            .map(|aabb| aabb.min.abs().max(aabb.max.abs()).max_element())
+            .flatten_iter()
+            .map(|c| c.abs())
+            .filter(|c| c.is_finite())
             .reduce(|| 0.0, f32::max);
         if preset == Preset::Fast || largest >= HUGE {
-            return vec![Self::cluster(&boxes, kept)];
+            return vec![Self::cluster(mesh, kept)];
         }
-        drop(boxes);
         match preset {
             Preset::Best => vec![
                 sbvh::build(mesh, &kept, 0.0).reinsert(SLOW),
@@ -74,17 +71,11 @@ impl Binary {
         }
     }
 
-    /// The tree over the boxes `kept`, by clustering.
-    fn cluster(boxes: &[Aabb], kept: Vec<u32>) -> Self {
-        let some: Vec<Aabb>;
-        let boxes = if kept.len() == boxes.len() {
-            boxes
-        } else {
-            some = kept.iter().map(|&i| boxes[i as usize]).collect();
-            &some
-        };
+    /// The tree over the triangles `kept`, by clustering.
+    fn cluster(mesh: &Mesh, kept: Vec<u32>) -> Self {
+        let boxes: Vec<Aabb> = kept.par_iter().map(|&i| bounds(mesh, i as usize)).collect();
         Self {
-            nodes: ploc::build(boxes),
+            nodes: ploc::build(&boxes),
             triangles: kept,
             repeats: false,
         }

@@ -191,16 +191,25 @@ impl<'a> Collapse<'a> {
         }
     }
 
+    /// The triangles of a leaf of the binary tree.
+    fn run(&self, leaf: &Bvh2Node) -> &'a [u32] {
+        let first = leaf.first_index as usize;
+        &self.tree.triangles[first..first + leaf.prim_count as usize]
+    }
+
     /// The triangles below `node`, left to right, each once.
     pub(super) fn triangles(&self, node: u32, out: &mut Vec<u32>) {
-        let mut pending = vec![node];
         out.clear();
+        let one = &self.nodes()[node as usize];
+        if one.is_leaf() {
+            out.extend_from_slice(self.run(one));
+            return;
+        }
+        let mut pending = vec![node];
         while let Some(i) = pending.pop() {
             let node = &self.nodes()[i as usize];
             if node.is_leaf() {
-                let first = node.first_index as usize;
-                let run = first..first + node.prim_count as usize;
-                out.extend_from_slice(&self.tree.triangles[run]);
+                out.extend_from_slice(self.run(node));
             } else {
                 pending.extend([node.first_index + 1, node.first_index]);
             }

@@ -29,6 +29,14 @@ impl Bounds {
         Self(self.0.fast_max(other.0))
     }
 
+    /// Itself, or the box of nothing if `empty`; without a branch.
+    #[inline(always)]
+    #[must_use]
+    pub(super) fn or_empty(self, empty: bool) -> Self {
+        let mask = f32x8::splat(f32::from_bits(u32::from(empty).wrapping_neg()));
+        Self(mask.select(Self::EMPTY.0, self.0))
+    }
+
     #[inline(always)]
     #[must_use]
     pub(super) fn intersection(self, other: Self) -> Self {
