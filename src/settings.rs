@@ -51,10 +51,23 @@ pub enum Sampler {
     BlueNoise,
 }
 
+/// How much work goes into the tree over the scene's triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// The quickest to build.
+    Fast,
+    /// The least time to build and render in most cases.
+    #[default]
+    Balanced,
+    /// The quickest to trace: also tries a tree that cuts long triangles, and keeps the better one.
+    Best,
+}
+
 /// Everything that a render needs besides scene, geometry and film.
 ///
 /// The image depends on `integrator`, `strategy`, `sampler`, `spp`, `max_depth`, `roulette`, `seed` and
-/// `ao_distance`; never on `threads`, `wave` or `tile`.
+/// `ao_distance`; never on `bvh`, `threads`, `wave` or `tile`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// What is computed for each sample.
@@ -74,6 +87,8 @@ pub struct Settings {
     pub seed: u32,
     /// Occlusion distance of `ao` in scene units; `None`: a tenth of the scene's diagonal.
     pub ao_distance: Option<f32>,
+    /// How much work goes into the tree over the triangles.
+    pub bvh: Preset,
     /// Worker threads; 0: one for each core.
     pub threads: usize,
     /// Paths in a worker's wave.
@@ -93,6 +108,7 @@ impl Default for Settings {
             roulette: true,
             seed: 0,
             ao_distance: None,
+            bvh: Preset::default(),
             threads: 0,
             wave: 2048,
             tile: 32,

@@ -141,6 +141,7 @@ max_depth = 8
 roulette = true
 seed = 1
 ao_distance = 1.5
+bvh = "best"
 [sky]
 radiance = [0.5, 0.6, 0.7]
 [materials.white]

@@ -146,6 +146,17 @@ fn the_work_options_do_not_change_a_bit_of_the_image() {
 }
 
 #[test]
+fn the_image_does_not_depend_on_the_tree() {
+    let folder = folder();
+    rendered(folder.path(), &["-o", "a.exr", "--bvh", "balanced"]);
+    let expected = exr(folder.path()).rgb;
+    for preset in ["fast", "best"] {
+        rendered(folder.path(), &["-o", "a.exr", "--bvh", preset]);
+        assert!(exr(folder.path()).rgb == expected, "{preset}");
+    }
+}
+
+#[test]
 fn statistics_add_up() {
     let folder = folder();
     rendered(

@@ -2,7 +2,7 @@
 
 mod tracing;
 
-use huygens::geometry::Geometry;
+use huygens::geometry::{Geometry, Preset};
 use huygens::scene::Mesh;
 use huygens_kernels::rays::NO_PRIMITIVE;
 use tracing::{Random, RaySet, bumpy_sphere, cube, moved};
@@ -32,23 +32,28 @@ fn from_inside(mesh: &Mesh, centre: [f32; 3], spread: f32, n: usize) -> RaySet {
 }
 
 fn assert_no_escape(name: &str, mesh: &Mesh, rays: &RaySet) {
-    let geometry = Geometry::build(mesh);
-    let escaped: Vec<usize> = (0..rays.len())
-        .zip(rays.closest(&geometry))
-        .filter(|(_, hit)| hit.primitive == NO_PRIMITIVE)
-        .map(|(i, _)| i)
-        .collect();
-    if let Some(&i) = escaped.first() {
-        panic!(
-            "{name}: {} of {} rays escape; the first is {i}: {:?} along {:?}",
-            escaped.len(),
-            rays.len(),
-            rays.origin[i],
-            rays.direction[i]
+    for preset in [Preset::Balanced, Preset::Best] {
+        let geometry = Geometry::build_with(mesh, preset);
+        let escaped: Vec<usize> = (0..rays.len())
+            .zip(rays.closest(&geometry))
+            .filter(|(_, hit)| hit.primitive == NO_PRIMITIVE)
+            .map(|(i, _)| i)
+            .collect();
+        if let Some(&i) = escaped.first() {
+            panic!(
+                "{name}, {preset:?}: {} of {} rays escape; the first is {i}: {:?} along {:?}",
+                escaped.len(),
+                rays.len(),
+                rays.origin[i],
+                rays.direction[i]
+            );
+        }
+        let open = rays.occluded(&geometry).iter().filter(|o| !**o).count();
+        assert_eq!(
+            open, 0,
+            "{name}, {preset:?}: rays that hit something are not occluded"
         );
     }
-    let open = rays.occluded(&geometry).iter().filter(|o| !**o).count();
-    assert_eq!(open, 0, "{name}: rays that hit something are not occluded");
 }
 
 #[test]

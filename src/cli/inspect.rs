@@ -10,7 +10,7 @@ use crate::cli::progress::Progress;
 use crate::cli::summary::plural;
 use crate::cli::text::out;
 use contents::Contents;
-use huygens::geometry::Geometry;
+use huygens::geometry::{Geometry, Preset};
 use miette::IntoDiagnostic;
 
 /// Show what a scene holds and what it needs, without rendering it
@@ -23,6 +23,10 @@ pub(crate) struct Args {
     /// Print JSON (see docs/stats.md)
     #[arg(long)]
     json: bool,
+
+    /// How much work goes into the tree over the triangles [if the scene says nothing: balanced]
+    #[arg(long, value_name = "NAME")]
+    bvh: Option<Preset>,
 }
 
 /// Runs `huygens inspect`.
@@ -35,7 +39,9 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         "build over {}",
         plural(scene.mesh.triangles() as u64, "triangle")
     );
-    let (geometry, _) = progress.phase(&label, || Geometry::build(&scene.mesh));
+    let preset = args.bvh.unwrap_or(scene.settings.bvh);
+    let build = || Geometry::build_with(&scene.mesh, preset);
+    let (geometry, _) = progress.phase(&label, build);
     let contents = Contents::of(&scene, path, &geometry.memory());
     if args.json {
         let json = serde_json::to_string_pretty(&contents).into_diagnostic();

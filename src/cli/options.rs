@@ -3,7 +3,7 @@
 use crate::cli::memory;
 use clap::{Args, ValueEnum};
 use huygens::scene::{Filter, Scene};
-use huygens::settings::{Integrator, Sampler, Settings, Strategy};
+use huygens::settings::{Integrator, Preset, Sampler, Settings, Strategy};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -74,6 +74,10 @@ pub(crate) struct ImageOptions {
 #[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Work (the image does not depend on it)")]
 pub(crate) struct WorkOptions {
+    /// How much work goes into the tree over the triangles [if the scene says nothing: balanced]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) bvh: Option<Preset>,
+
     /// Worker threads, 0 to 1024; 0: one for each core
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u16).range(0..=1024))]
@@ -150,6 +154,7 @@ impl ImageOptions {
 impl WorkOptions {
     /// Puts these options over those of the scene.
     pub(crate) fn apply(&self, s: &mut Settings) {
+        s.bvh = self.bvh.unwrap_or(s.bvh);
         s.threads = self.threads.map_or(s.threads, usize::from);
         s.wave = self.wave.map_or(s.wave, |w| w as usize);
         s.tile = self.tile.unwrap_or(s.tile);

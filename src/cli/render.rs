@@ -75,7 +75,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         "build over {}",
         plural(scene.mesh.triangles() as u64, "triangle")
     );
-    let build = || pool.install(|| Geometry::build(&scene.mesh));
+    let build = || pool.install(|| Geometry::build_with(&scene.mesh, scene.settings.bvh));
     let (geometry, build_seconds) = progress.phase(&label, build);
 
     let film = Film::new(scene.film.width, scene.film.height, scene.settings.tile);

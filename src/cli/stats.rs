@@ -3,7 +3,7 @@
 
 use huygens::film::output::{OutputError, write_atomically};
 use huygens::scene::{Filter, Scene};
-use huygens::settings::{Integrator, Sampler, Strategy};
+use huygens::settings::{Integrator, Preset, Sampler, Strategy};
 use huygens::wave::Dropped;
 use huygens::wave::{RenderStats, StageStats};
 use serde::Serialize;
@@ -64,6 +64,7 @@ struct SettingsStats {
     roulette: bool,
     seed: u32,
     ao_distance: Option<f32>,
+    bvh: Preset,
     wave: usize,
     tile: u32,
 }
@@ -145,6 +146,7 @@ impl Stats {
                 roulette: s.roulette,
                 seed: s.seed,
                 ao_distance: s.ao_distance,
+                bvh: s.bvh,
                 wave: s.wave,
                 tile: s.tile,
             },

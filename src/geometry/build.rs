@@ -1,9 +1,12 @@
-//! From triangles to a binary tree: boxes, clustering (`ploc.rs`), then obvhs' reinsertion, which
-//! takes badly placed subtrees out and puts them where they cost least (D. Meister, J. Bittner,
-//! "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", CGF 37(2), 2018).
+//! From triangles to binary trees: clustering (`ploc.rs`) or splitting (`sbvh/`), then obvhs'
+//! reinsertion, which takes badly placed subtrees out and puts them where they cost least
+//! (D. Meister, J. Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", CGF
+//! 37(2), 2018). It moves whole leaves, which splitting has filled: on trees with one triangle a
+//! leaf it spoils the blocks, see `docs/performance.md`.
 
-use super::ploc;
+use super::{ploc, sbvh};
 use crate::scene::Mesh;
+use crate::settings::Preset;
 use glam::Vec3A;
 use obvhs::{
     aabb::Aabb,
@@ -11,59 +14,85 @@ use obvhs::{
 };
 use rayon::prelude::*;
 
-/// Share of the nodes that one pass of reinsertion considers: obvhs' preset `medium`.
-const REINSERTED: f32 = 0.05;
+/// Share of the nodes that one pass of reinsertion considers, for `balanced`: obvhs' own `medium`.
+const MEDIUM: f32 = 0.05;
+/// The same for `best`: obvhs' own `slow`.
+const SLOW: f32 = 0.2;
+/// References that `best` may add by cutting, as a share of the triangles.
+const CUTS: f32 = 1.0;
 /// Reinsertion walks the tree with a stack of 192 entries that panics when it is full. Trees start
 /// at 30 to 60 levels for millions of triangles and hardly grow; one that is this deep already
 /// comes from boxes that reinsertion could not improve.
 const DEEP: usize = 96;
-/// Areas of boxes beyond this size overflow, and reinsertion cannot sort a NaN.
+/// Areas of boxes beyond this size overflow, and neither reinsertion nor splitting can do with a
+/// NaN.
 const HUGE: f32 = 1e18;
 
-/// A binary tree with one triangle a leaf. Node 0 is the root; children lie side by side; a leaf's
-/// `first_index` is its triangle.
+/// A binary tree. Node 0 is the root, children lie side by side and after their parents until
+/// reinsertion. A leaf holds `prim_count` entries of `triangles` from `first_index` on: at most a
+/// block. Boxes of inner nodes are tight around their children's.
 pub(super) struct Binary {
     pub(super) nodes: Vec<Bvh2Node>,
+    /// What leaves refer to.
+    pub(super) triangles: Vec<u32>,
+    /// Whether a triangle may be in more than one leaf.
+    pub(super) repeats: bool,
 }
 
 impl Binary {
-    /// The tree over all triangles of `mesh` that are finite.
-    pub(super) fn build(mesh: &Mesh) -> Self {
-        let boxes: Vec<Aabb> = (0..mesh.triangles())
-            .into_par_iter()
-            .map(|i| bounds(mesh, i))
-            .collect();
+    /// The trees that `preset` chooses from, over all triangles of `mesh` that are finite; none if
+    /// there are no such triangles.
+    pub(super) fn candidates(mesh: &Mesh, preset: Preset) -> Vec<Self> {
         // A scene promises finite vertices. Should one slip through, its triangles are left out
         // rather than let spoil every comparison of areas.
-        let bad: Vec<u32> = (0..boxes.len() as u32)
-            .filter(|&i| !is_finite(&boxes[i as usize]))
+        let kept: Vec<u32> = (0..mesh.triangles() as u32)
+            .into_par_iter()
+            .filter(|&i| is_finite(&bounds(mesh, i as usize)))
             .collect();
-        let mut nodes = if bad.is_empty() {
-            ploc::build(&boxes)
-        } else {
-            build_some(&boxes)
-        };
-        let largest = nodes.first().map_or(0.0, |root| {
-            root.aabb.min.abs().max(root.aabb.max.abs()).max_element()
-        });
-        if largest < HUGE && depth(&nodes) < DEEP {
-            nodes = reinsert(nodes);
+        if kept.is_empty() {
+            return Vec::new();
         }
-        Self { nodes }
+        let largest = mesh
+            .vertices
+            .par_iter()
+            .flatten_iter()
+            .map(|c| c.abs())
+            .filter(|c| c.is_finite())
+            .reduce(|| 0.0, f32::max);
+        if preset == Preset::Fast || largest >= HUGE {
+            return vec![Self::cluster(mesh, kept)];
+        }
+        match preset {
+            Preset::Best => vec![
+                sbvh::build(mesh, &kept, 0.0).reinsert(SLOW),
+                sbvh::build(mesh, &kept, CUTS).reinsert(SLOW),
+            ],
+            _ => vec![sbvh::build(mesh, &kept, 0.0).reinsert(MEDIUM)],
+        }
     }
-}
 
-/// The tree over the finite boxes only.
-fn build_some(boxes: &[Aabb]) -> Vec<Bvh2Node> {
-    let good: Vec<u32> = (0..boxes.len() as u32)
-        .filter(|&i| is_finite(&boxes[i as usize]))
-        .collect();
-    let kept: Vec<Aabb> = good.iter().map(|&i| boxes[i as usize]).collect();
-    let mut nodes = ploc::build(&kept);
-    for node in nodes.iter_mut().filter(|node| node.is_leaf()) {
-        node.first_index = good[node.first_index as usize];
+    /// The tree over the triangles `kept`, by clustering.
+    fn cluster(mesh: &Mesh, kept: Vec<u32>) -> Self {
+        let boxes: Vec<Aabb> = kept.par_iter().map(|&i| bounds(mesh, i as usize)).collect();
+        Self {
+            nodes: ploc::build(&boxes),
+            triangles: kept,
+            repeats: false,
+        }
     }
-    nodes
+
+    /// Improves the tree where it can.
+    fn reinsert(mut self, share: f32) -> Self {
+        if depth(&self.nodes) < DEEP {
+            let mut tree = Bvh2 {
+                nodes: breadth_first(&self.nodes),
+                ..Bvh2::default()
+            };
+            ReinsertionOptimizer::default().run(&mut tree, share, None);
+            self.nodes = tree.nodes;
+        }
+        self
+    }
 }
 
 fn is_finite(aabb: &Aabb) -> bool {
@@ -79,13 +108,21 @@ fn bounds(mesh: &Mesh, i: usize) -> Aabb {
     Aabb::new(a.min(b).min(c), a.max(b).max(c))
 }
 
-fn reinsert(nodes: Vec<Bvh2Node>) -> Vec<Bvh2Node> {
-    let mut tree = Bvh2 {
-        nodes,
-        ..Bvh2::default()
-    };
-    ReinsertionOptimizer::default().run(&mut tree, REINSERTED, None);
-    tree.nodes
+/// The same tree with the nodes of a level before those of the next: reinsertion looks for
+/// candidates at the front of the list, and means large nodes.
+fn breadth_first(nodes: &[Bvh2Node]) -> Vec<Bvh2Node> {
+    let mut sorted = Vec::with_capacity(nodes.len());
+    sorted.push(nodes[0]);
+    let mut next = 0;
+    while next < sorted.len() {
+        let first = sorted[next].first_index as usize;
+        if !sorted[next].is_leaf() {
+            sorted[next].first_index = sorted.len() as u32;
+            sorted.extend([nodes[first], nodes[first + 1]]);
+        }
+        next += 1;
+    }
+    sorted
 }
 
 /// Nodes on the longest path from the root; children must come after their parents.

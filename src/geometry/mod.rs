@@ -1,6 +1,6 @@
 //! What rays meet. Everything above sees only [`Geometry`].
 //!
-//! Triangles -> boxes -> binary tree (`build`, `ploc`) -> eight children a node (`collapse`) ->
+//! Triangles -> boxes -> binary tree (`build`, `ploc`, `sbvh`) -> eight children a node (`collapse`) ->
 //! tables (`layout`), which the kernels walk.
 
 mod build;
@@ -8,8 +8,12 @@ mod collapse;
 mod layout;
 mod pages;
 mod ploc;
+mod sbvh;
+#[cfg(test)]
+mod tests_of_presets;
 
 use crate::scene::Mesh;
+pub use crate::settings::Preset;
 use build::Binary;
 use collapse::Collapse;
 use huygens_kernels::bvh::{Block, Bvh, Node};
@@ -35,8 +39,18 @@ pub struct Geometry {
 }
 
 impl Geometry {
+    /// Builds over all triangles of `mesh` with the default preset: see [`Geometry::build_with`].
+    ///
+    /// # Panics
+    /// As [`Geometry::build_with`].
+    #[must_use]
+    pub fn build(mesh: &Mesh) -> Self {
+        Self::build_with(mesh, Preset::default())
+    }
+
     /// Builds over all triangles of `mesh`, deterministically, on the current rayon pool: the
-    /// tables are the same, byte for byte, for any number of threads.
+    /// tables are the same, byte for byte, for any number of threads. What rays meet does not
+    /// depend on the preset.
     ///
     /// Triangles with a corner that is not finite are left out. Any other input builds in
     /// O(n log n), and [`Geometry::depth`] has a bound.
@@ -44,12 +58,16 @@ impl Geometry {
     /// # Panics
     /// On a vertex index outside the mesh, and on more than about 2^31 triangles.
     #[must_use]
-    pub fn build(mesh: &Mesh) -> Self {
-        let mut tree = Binary::build(mesh);
-        if tree.nodes.is_empty() {
+    pub fn build_with(mesh: &Mesh, preset: Preset) -> Self {
+        let trees = Binary::candidates(mesh, preset);
+        // Of equally good ones the first: it refers to each triangle once.
+        let best = trees
+            .iter()
+            .map(Collapse::new)
+            .reduce(|a, b| if b.sah_cost() < a.sah_cost() { b } else { a });
+        let Some(collapse) = best else {
             return Self::default();
-        }
-        let collapse = Collapse::new(&mut tree);
+        };
         let root = collapse.aabb(0);
         Self {
             layout: Layout::new(mesh, &collapse),
@@ -103,7 +121,8 @@ impl Geometry {
         self.layout.blocks.len()
     }
 
-    /// Triangles in the tree's leaves.
+    /// References to triangles in the tree's leaves: where [`Preset::Best`] has cut triangles, more
+    /// than there are triangles.
     #[must_use]
     pub fn triangles(&self) -> usize {
         self.layout.triangles

@@ -4,20 +4,16 @@
 /// all of it anyway.
 const WORTH_IT: usize = 8 << 20;
 
-/// Moves a finished table to where it stays: no spare capacity, and, where the system grants it,
-/// on pages of 2 MiB. A ray that jumps through hundreds of megabytes then finds the address of
-/// nearly every node without walking the page table.
-pub(super) fn settle<T: Copy>(table: Vec<T>) -> Vec<T> {
-    if size_of_val(table.as_slice()) < WORTH_IT {
-        let mut table = table;
-        table.shrink_to_fit();
-        return table;
+/// An empty table for `len` elements, where the system grants it on pages of 2 MiB. A ray that jumps
+/// through hundreds of megabytes then finds the address of nearly every node without walking the
+/// page table.
+pub(super) fn table<T: Copy>(len: usize) -> Vec<T> {
+    let mut table = Vec::with_capacity(len);
+    if len * size_of::<T>() >= WORTH_IT {
+        // Before the first write: pages are made when they are touched.
+        ask_for_large(table.spare_capacity_mut());
     }
-    let mut settled = Vec::with_capacity(table.len());
-    // Before the first write: pages are made when they are touched.
-    ask_for_large(settled.spare_capacity_mut());
-    settled.extend_from_slice(&table);
-    settled
+    table
 }
 
 /// A hint: where it cannot be followed, nothing changes.

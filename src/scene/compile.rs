@@ -167,6 +167,7 @@ fn settings(said: &description::Settings) -> Settings {
         roulette: said.roulette.unwrap_or(default.roulette),
         seed: said.seed.map_or(default.seed, |n| n.0),
         ao_distance: said.ao_distance.map(|d| d.0 as f32).or(default.ao_distance),
+        bvh: said.bvh.unwrap_or(default.bvh),
         ..default
     }
 }

@@ -7,7 +7,7 @@ use super::transform::Transform;
 use super::values::{
     Count, FieldOfView, Finite, Natural, NonNegative, OneOrThree, Pixels, Positive, Unit,
 };
-use crate::settings::{Integrator, Sampler, Strategy};
+use crate::settings::{Integrator, Preset, Sampler, Strategy};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
@@ -82,6 +82,7 @@ pub(super) struct Settings {
     pub(super) roulette: Option<bool>,
     pub(super) seed: Option<Natural>,
     pub(super) ao_distance: Option<Positive>,
+    pub(super) bvh: Option<Preset>,
 }
 
 /// `[sky]`

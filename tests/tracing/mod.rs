@@ -5,6 +5,7 @@
     reason = "each test binary includes this module and uses its own part"
 )]
 
+pub mod meshes;
 pub mod oracle;
 
 use huygens::geometry::Geometry;

@@ -1,0 +1,216 @@
+//! Where to split a node: costs of binned object splits and of binned spatial splits.
+//!
+//! Object splits part references by their centres (I. Wald, "On Fast Construction of SAH-Based
+//! Bounding Volume Hierarchies", RT 2007); spatial splits part space, and references that reach
+//! over the plane go to both sides (M. Stich, H. Friedrich, A. Dietrich, HPG 2009). The planes
+//! tried are those between [`BINS`] equal bins along each axis. The cost of two halves is the sum
+//! of area times blocks of triangles, which is what a leaf costs.
+
+use super::bounds::Bounds;
+use super::reference::{Cutter, Reference};
+use crate::scene::Mesh;
+use huygens_kernels::bvh::BLOCK;
+use rayon::prelude::*;
+use wide::f32x4;
+
+/// Bins along an axis.
+pub(super) const BINS: usize = 16;
+/// References that one task puts into bins.
+const CHUNK: usize = 1 << 14;
+
+/// Area times the blocks that hold `count` references.
+#[inline(always)]
+pub(super) fn cost(area: f32, count: usize) -> f32 {
+    area * count.div_ceil(BLOCK) as f32
+}
+
+/// A way to split.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Split {
+    /// Sum over the halves of area times blocks.
+    pub(super) cost: f32,
+    pub(super) axis: usize,
+    /// The first bin of the upper half.
+    pub(super) bin: usize,
+    pub(super) halves: [Bounds; 2],
+    pub(super) counts: [usize; 2],
+}
+
+/// Which bin a coordinate lies in, along each axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grid {
+    low: f32x4,
+    scale: f32x4,
+    /// Width of a bin.
+    pub(super) step: f32x4,
+}
+
+impl Grid {
+    pub(super) fn new(bounds: Bounds) -> Self {
+        let extent = bounds.extent();
+        let positive = extent.simd_gt(f32x4::ZERO);
+        let scale = f32x4::splat(BINS as f32) / extent;
+        // An extent so small that its reciprocal overflows counts as none.
+        let usable = positive & scale.simd_lt(f32x4::splat(f32::INFINITY));
+        Self {
+            low: bounds.min(),
+            scale: usable.select(scale, f32x4::ZERO),
+            step: extent * f32x4::splat(1.0 / BINS as f32),
+        }
+    }
+
+    /// Bins of a point. Grows with the coordinate, and so do the planes of [`Grid::plane`]; the two
+    /// may disagree by rounding.
+    #[inline(always)]
+    pub(super) fn bin(&self, p: f32x4) -> [usize; 3] {
+        let last = f32x4::splat((BINS - 1) as f32);
+        let at = ((p - self.low) * self.scale)
+            .fast_max(f32x4::ZERO)
+            .fast_min(last);
+        let [x, y, z, _] = at.fast_trunc_int().to_array();
+        // The remainder tells the compiler that no index is out of range.
+        [x, y, z].map(|i| i as usize % BINS)
+    }
+
+    /// Whether the axis has bins at all.
+    pub(super) fn divides(&self, axis: usize) -> bool {
+        self.scale.as_array()[axis] > 0.0
+    }
+
+    /// The plane below `bin`.
+    #[inline(always)]
+    pub(super) fn plane(&self, axis: usize, bin: usize) -> f32 {
+        (bin as f32).mul_add(self.step.as_array()[axis], self.low.as_array()[axis])
+    }
+}
+
+/// Boxes and counts of what the bins hold. References that begin in a bin and those that end in it
+/// are counted apart; for object splits the two are the same.
+#[derive(Clone)]
+struct Bins {
+    bounds: [[Bounds; BINS]; 3],
+    begin: [[u32; BINS]; 3],
+    end: [[u32; BINS]; 3],
+}
+
+impl Bins {
+    const EMPTY: Self = Self {
+        bounds: [[Bounds::EMPTY; BINS]; 3],
+        begin: [[0; BINS]; 3],
+        end: [[0; BINS]; 3],
+    };
+
+    /// Bins `references`, in parallel where there are many. Maxima and integer sums do not depend
+    /// on how the work is cut up.
+    fn collect(references: &[Reference], put: impl Fn(&mut Self, &[Reference]) + Sync) -> Self {
+        let mut bins = Self::EMPTY;
+        if references.len() < 2 * CHUNK {
+            put(&mut bins, references);
+            return bins;
+        }
+        let parts = references.par_chunks(CHUNK).map(|chunk| {
+            let mut bins = Box::new(Self::EMPTY);
+            put(&mut bins, chunk);
+            bins
+        });
+        parts
+            .reduce(|| Box::new(Self::EMPTY), |a, b| a.merge(&b))
+            .as_ref()
+            .clone()
+    }
+
+    fn merge(mut self: Box<Self>, other: &Self) -> Box<Self> {
+        for axis in 0..3 {
+            for bin in 0..BINS {
+                self.bounds[axis][bin] = self.bounds[axis][bin].union(other.bounds[axis][bin]);
+                self.begin[axis][bin] += other.begin[axis][bin];
+                self.end[axis][bin] += other.end[axis][bin];
+            }
+        }
+        self
+    }
+
+    /// The cheapest plane between two bins that leaves something on both sides.
+    fn best(&self, grid: &Grid) -> Option<Split> {
+        let mut best: Option<Split> = None;
+        for axis in (0..3).filter(|&axis| grid.divides(axis)) {
+            let mut above = [(Bounds::EMPTY, 0usize); BINS];
+            let mut sum = (Bounds::EMPTY, 0);
+            for bin in (1..BINS).rev() {
+                sum.0 = sum.0.union(self.bounds[axis][bin]);
+                sum.1 += self.end[axis][bin] as usize;
+                above[bin] = sum;
+            }
+            let mut below = (Bounds::EMPTY, 0);
+            for bin in 1..BINS {
+                below.0 = below.0.union(self.bounds[axis][bin - 1]);
+                below.1 += self.begin[axis][bin - 1] as usize;
+                let above = above[bin];
+                if below.1 == 0 || above.1 == 0 {
+                    continue;
+                }
+                let cost = cost(below.0.half_area(), below.1) + cost(above.0.half_area(), above.1);
+                if best.is_none_or(|best| cost < best.cost) {
+                    best = Some(Split {
+                        cost,
+                        axis,
+                        bin,
+                        halves: [below.0, above.0],
+                        counts: [below.1, above.1],
+                    });
+                }
+            }
+        }
+        best
+    }
+}
+
+/// The best object split on `grid`, which spans twice the centres.
+pub(super) fn object(references: &[Reference], grid: &Grid) -> Option<Split> {
+    let put = |bins: &mut Bins, references: &[Reference]| {
+        for reference in references {
+            let bounds = reference.bounds();
+            let at = grid.bin(bounds.twice_centre().max());
+            for axis in 0..3 {
+                let bin = at[axis];
+                bins.bounds[axis][bin] = bins.bounds[axis][bin].union(bounds);
+                bins.begin[axis][bin] += 1;
+            }
+        }
+    };
+    let mut bins = Bins::collect(references, put);
+    bins.end = bins.begin;
+    bins.best(grid)
+}
+
+/// The best spatial split on `grid`, which spans the node.
+pub(super) fn spatial(mesh: &Mesh, references: &[Reference], grid: &Grid) -> Option<Split> {
+    let put = |bins: &mut Bins, references: &[Reference]| {
+        for reference in references {
+            let bounds = reference.bounds();
+            let (first, last) = (grid.bin(bounds.min()), grid.bin(bounds.max()));
+            let mut cutter = None;
+            for axis in 0..3 {
+                bins.begin[axis][first[axis]] += 1;
+                bins.end[axis][last[axis]] += 1;
+                let mut rest = bounds;
+                if first[axis] < last[axis] {
+                    let cutter =
+                        cutter.get_or_insert_with(|| Cutter::new(mesh, reference.triangle()));
+                    for bin in first[axis]..last[axis] {
+                        let [below, above] = cutter.cut(rest, axis, grid.plane(axis, bin + 1));
+                        if !below.is_empty() {
+                            bins.bounds[axis][bin] = bins.bounds[axis][bin].union(below);
+                        }
+                        rest = above;
+                    }
+                }
+                if !rest.is_empty() {
+                    let bin = last[axis];
+                    bins.bounds[axis][bin] = bins.bounds[axis][bin].union(rest);
+                }
+            }
+        }
+    };
+    Bins::collect(references, put).best(grid)
+}
