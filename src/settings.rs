@@ -38,6 +38,7 @@ pub enum Strategy {
 }
 
 /// How the numbers that a path draws are spread over the samples of a pixel; none biases the image.
+/// The film's estimate of the variance is that of independent samples: see `film::Image::variance`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Sampler {

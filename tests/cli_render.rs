@@ -216,6 +216,57 @@ fn of_an_option_given_twice_the_last_counts() {
 }
 
 #[test]
+fn the_sampler_is_that_of_the_option_or_of_the_scene_and_is_written_down() {
+    let folder = folder();
+    let scene = "[settings]\nsampler = \"blue-noise\"\n[[shapes]]\nobj = \"a.obj\"\n";
+    std::fs::write(folder.path().join("a.toml"), scene).expect("written");
+    let mut images = Vec::new();
+    for (option, name) in [
+        (None, "blue-noise"),
+        (Some("independent"), "independent"),
+        (Some("stratified"), "stratified"),
+        (Some("sobol"), "sobol"),
+    ] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_huygens"));
+        command
+            .current_dir(folder.path())
+            .args(["render", "a.toml"]);
+        command.args(["--size", "20x12", "--spp", "3", "-o", "a.exr"]);
+        command.args(["--stats", "a.json"]);
+        command.args(option.map(|name| ["--sampler", name]).iter().flatten());
+        let output = command.output().expect("huygens runs");
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        let summary = String::from_utf8(output.stdout).expect("text");
+        let said = format!(" --sampler {name} ");
+        assert!(summary.contains(&said), "{summary}");
+        let stats = std::fs::read_to_string(folder.path().join("a.json")).expect("written");
+        let stats: serde_json::Value = serde_json::from_str(&stats).expect("JSON");
+        assert_eq!(stats["settings"]["sampler"], name);
+        let image = exr(folder.path());
+        assert!(image.attributes["huygens.settings"].contains(&said));
+        images.push(image.rgb);
+    }
+    // Each does sample in a way of its own.
+    for (i, image) in images.iter().enumerate() {
+        assert!(images[..i].iter().all(|other| other != image), "{i}");
+    }
+}
+
+#[test]
+fn a_sampler_for_the_reference_does_nothing() {
+    let folder = folder();
+    let options = ["-o", "a.png", "--integrator", "reference"];
+    let output = render(
+        folder.path(),
+        &[&options[..], &["--sampler", "sobol"]].concat(),
+    );
+    assert_eq!(
+        String::from_utf8_lossy(&output.stderr),
+        "warning: --sampler does nothing: the integrator reference has numbers of its own\n"
+    );
+}
+
+#[test]
 fn options_that_do_nothing_are_named() {
     let folder = folder();
     let output = render(

@@ -12,7 +12,8 @@ pub struct Image {
     /// Mean of each pixel's samples; black where there are none.
     pub mean: Vec<[f32; 3]>,
     /// Estimated variance of that mean: the unbiased sample variance over the number of samples,
-    /// as if samples were independent. Infinite below two samples, where nothing is known of it.
+    /// as if samples were independent. Those of every sampler but the independent one complete each
+    /// other: the true variance is smaller then, as a rule. Infinite below two samples, where nothing is known of it.
     ///
     /// It is a difference of two sums in f64, so a true variance below about `2^-52 n mean^2` is
     /// lost in their rounding; it is never negative.
