@@ -97,7 +97,7 @@ fn under_a_sky() {
     let mut scene = floor_from_above(0.5, Builder::new());
     scene.sky = Some([0.25, 0.5, 1.0]);
     (scene.film.width, scene.film.height) = (33, 40);
-    (scene.camera.half_width, scene.camera.half_height) = (1.0, 1.2);
+    scene.camera.projection = common::scenes::pinhole(1.0, 1.2);
     assert_identical(&scene, &settings(Strategy::Mis, Integrator::Path));
 }
 

@@ -2,7 +2,7 @@
 
 use crate::cli::options;
 use huygens::film::Film;
-use huygens::scene::{self, Filter, Mesh, Scene};
+use huygens::scene::{self, Camera, Filter, Mesh, Projection, Scene};
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -48,8 +48,16 @@ pub(super) struct CameraContents {
     pub(super) origin: [f32; 3],
     pub(super) forward: [f32; 3],
     pub(super) up: [f32; 3],
-    pub(super) horizontal_degrees: f64,
-    pub(super) vertical_degrees: f64,
+    pub(super) kind: &'static str,
+    /// None unless the rays fan out over an image plane.
+    pub(super) horizontal_degrees: Option<f64>,
+    pub(super) vertical_degrees: Option<f64>,
+    /// None unless the rays are parallel.
+    pub(super) width: Option<f32>,
+    pub(super) height: Option<f32>,
+    /// None without a lens.
+    pub(super) aperture: Option<f32>,
+    pub(super) focus: Option<f32>,
 }
 
 #[derive(Debug, Serialize)]
@@ -83,7 +91,6 @@ impl Contents {
     /// `tables` are those of the acceleration structure, with their bytes.
     pub(crate) fn of(scene: &Scene, file: &Path, tables: &[(&'static str, usize)]) -> Self {
         let materials = materials(scene);
-        let degrees = |half: f32| 2.0 * f64::from(half).atan().to_degrees();
         let bounds = Bounds::of(&scene.mesh);
         let memory = memory(scene, tables);
         let triangles = scene.mesh.triangles();
@@ -103,18 +110,45 @@ impl Contents {
                 height: scene.film.height,
                 filter: scene.film.filter,
             },
-            camera: CameraContents {
-                origin: scene.camera.origin,
-                forward: scene.camera.forward,
-                up: scene.camera.up,
-                horizontal_degrees: degrees(scene.camera.half_width),
-                vertical_degrees: degrees(scene.camera.half_height),
-            },
+            camera: CameraContents::of(&scene.camera),
             materials,
             settings: options::as_options(scene),
             bytes_per_triangle: each(geometry.map(|t| t.bytes).sum(), triangles),
             memory,
             warnings: scene.warnings.clone(),
+        }
+    }
+}
+
+impl CameraContents {
+    fn of(camera: &Camera) -> Self {
+        let degrees = |half: f32| Some(2.0 * f64::from(half).atan().to_degrees());
+        let contents = |kind| Self {
+            origin: camera.origin,
+            forward: camera.forward,
+            up: camera.up,
+            kind,
+            horizontal_degrees: None,
+            vertical_degrees: None,
+            width: None,
+            height: None,
+            aperture: None,
+            focus: None,
+        };
+        match camera.projection {
+            Projection::Perspective { extent, lens } => Self {
+                horizontal_degrees: degrees(extent.half_width),
+                vertical_degrees: degrees(extent.half_height),
+                aperture: lens.map(|l| l.radius),
+                focus: lens.map(|l| l.focus),
+                ..contents("perspective")
+            },
+            Projection::Orthographic { extent } => Self {
+                width: Some(2.0 * extent.half_width),
+                height: Some(2.0 * extent.half_height),
+                ..contents("orthographic")
+            },
+            Projection::Panorama => contents("panorama"),
         }
     }
 }
