@@ -1,6 +1,6 @@
 //! The scenes that ship load without a warning, and a bare OBJ is framed and lit.
 
-use huygens::scene::{self, Material, Projection, Scene};
+use huygens::scene::{self, Extent, Material, Projection, Scene};
 use std::path::Path;
 
 fn load(name: &str) -> Scene {
@@ -186,6 +186,56 @@ fn the_hash_follows_the_image_and_not_the_layout() {
         assert_ne!(base, hash(&format!("{other}{shape}")), "{other}");
     }
     assert_ne!(base, hash(&shape.replace("max = [1", "max = [2")));
+    // Cameras of one place differ by all that they are asked for; a lens of no size is none.
+    let camera = |keys: &str| {
+        let place = "[camera]\norigin = [5, 5, 5]\ntarget = [0, 0, 0]\n";
+        hash(&format!("{place}{keys}\n{shape}"))
+    };
+    let pinhole = camera("");
+    assert_eq!(pinhole, camera("aperture = 0\nfocus = 3"));
+    let others = [
+        "aperture = 0.5",
+        "aperture = 0.5\nfocus = 3",
+        "aperture = 0.25\nfocus = 3",
+        "kind = \"orthographic\"\nwidth = 1",
+        "kind = \"orthographic\"\nwidth = 2",
+        "kind = \"panorama\"",
+    ];
+    let hashes: std::collections::HashSet<_> = others.iter().map(|k| camera(k)).collect();
+    assert!(hashes.len() == others.len() && !hashes.contains(&pinhole));
+}
+
+#[test]
+fn a_camera_is_what_its_keys_say() {
+    let camera = |keys: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("s.toml");
+        let text = format!("[camera]\norigin = [0, 0, 5]\ntarget = [0, 0, 1]\n{keys}\n");
+        std::fs::write(&path, text + "[film]\nwidth = 200\nheight = 100\n").unwrap();
+        scene::load(&path).unwrap().camera.projection
+    };
+    let lens = |keys: &str| match camera(keys) {
+        Projection::Perspective { lens, .. } => lens.map(|l| (l.radius, l.focus)),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(lens(""), None);
+    assert_eq!(lens("aperture = 0\nfocus = 3"), None);
+    assert_eq!(lens("aperture = 0.5"), Some((0.5, 4.0)), "at the target");
+    assert_eq!(lens("aperture = 0.5\nfocus = 3"), Some((0.5, 3.0)));
+    // Along the view, not as the crow flies.
+    assert_eq!(
+        lens("aperture = 0.5\nfocus_at = [9, -7, 2]"),
+        Some((0.5, 3.0))
+    );
+    let extent = Extent {
+        half_width: 3.0,
+        half_height: 1.5,
+    };
+    assert_eq!(
+        camera("kind = \"orthographic\"\nwidth = 6"),
+        Projection::Orthographic { extent }
+    );
+    assert_eq!(camera("kind = \"panorama\""), Projection::Panorama);
 }
 
 #[test]
