@@ -102,6 +102,13 @@ fn under_a_sky() {
 }
 
 #[test]
+fn through_a_lens() {
+    let mut scene = box_70_by_51();
+    scene.camera.projection = common::scenes::thin_lens(0.4, 40.0, 1000.0);
+    assert_identical(&scene, &settings(Strategy::Mis, Integrator::Direct));
+}
+
+#[test]
 fn another_seed_is_another_image() {
     let scene = box_70_by_51();
     let base = Settings {

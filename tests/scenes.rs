@@ -137,6 +137,25 @@ fn veach_lights_have_equal_power() {
 }
 
 #[test]
+fn depth_of_field_is_focused_on_a_cubes_front() {
+    let scene = load("depth-of-field.toml");
+    let Projection::Perspective {
+        lens: Some(lens), ..
+    } = scene.camera.projection
+    else {
+        panic!("a lens");
+    };
+    assert_eq!((lens.radius, lens.focus), (0.12, 6.0));
+    let front = scene.camera.origin[2] - lens.focus;
+    let green = scene.materials.iter().position(|m| m.name == "green");
+    let green = green.unwrap() as u32;
+    let corners = (0..scene.mesh.triangles())
+        .filter(|&i| scene.mesh.material[i] == green)
+        .flat_map(|i| scene.mesh.corners(i));
+    assert_eq!(corners.map(|c| c[2]).fold(f32::MIN, f32::max), front);
+}
+
+#[test]
 fn the_documented_example_loads_and_says_what_its_comments_say() {
     let text = include_str!("../docs/scene-format.md");
     let example = text.split("```toml\n").nth(1).unwrap();
