@@ -1,8 +1,9 @@
 //! What a scene holds, in numbers.
 
+use super::camera::CameraContents;
 use crate::cli::options;
 use huygens::film::Film;
-use huygens::scene::{self, Camera, Filter, Mesh, Projection, Scene};
+use huygens::scene::{self, Filter, Mesh, Scene};
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -41,23 +42,6 @@ pub(super) struct ImageContents {
     pub(super) width: u32,
     pub(super) height: u32,
     pub(super) filter: Filter,
-}
-
-#[derive(Debug, Serialize)]
-pub(super) struct CameraContents {
-    pub(super) origin: [f32; 3],
-    pub(super) forward: [f32; 3],
-    pub(super) up: [f32; 3],
-    pub(super) kind: &'static str,
-    /// None unless the rays fan out over an image plane.
-    pub(super) horizontal_degrees: Option<f64>,
-    pub(super) vertical_degrees: Option<f64>,
-    /// None unless the rays are parallel.
-    pub(super) width: Option<f32>,
-    pub(super) height: Option<f32>,
-    /// None without a lens.
-    pub(super) aperture: Option<f32>,
-    pub(super) focus: Option<f32>,
 }
 
 #[derive(Debug, Serialize)]
@@ -116,39 +100,6 @@ impl Contents {
             bytes_per_triangle: each(geometry.map(|t| t.bytes).sum(), triangles),
             memory,
             warnings: scene.warnings.clone(),
-        }
-    }
-}
-
-impl CameraContents {
-    fn of(camera: &Camera) -> Self {
-        let degrees = |half: f32| Some(2.0 * f64::from(half).atan().to_degrees());
-        let contents = |kind| Self {
-            origin: camera.origin,
-            forward: camera.forward,
-            up: camera.up,
-            kind,
-            horizontal_degrees: None,
-            vertical_degrees: None,
-            width: None,
-            height: None,
-            aperture: None,
-            focus: None,
-        };
-        match camera.projection {
-            Projection::Perspective { extent, lens } => Self {
-                horizontal_degrees: degrees(extent.half_width),
-                vertical_degrees: degrees(extent.half_height),
-                aperture: lens.map(|l| l.radius),
-                focus: lens.map(|l| l.focus),
-                ..contents("perspective")
-            },
-            Projection::Orthographic { extent } => Self {
-                width: Some(2.0 * extent.half_width),
-                height: Some(2.0 * extent.half_height),
-                ..contents("orthographic")
-            },
-            Projection::Panorama => contents("panorama"),
         }
     }
 }

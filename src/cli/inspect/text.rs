@@ -1,6 +1,6 @@
 //! What a scene holds, for people.
 
-use super::contents::{CameraContents, Contents};
+use super::contents::Contents;
 use crate::cli::summary::plural;
 use crate::cli::text::bytes;
 use std::fmt::Write;
@@ -32,7 +32,7 @@ impl Contents {
                 list(c.origin),
                 list(c.forward),
                 list(c.up),
-                view(c)
+                c.view()
             ),
         );
         line("settings", self.settings.clone());
@@ -90,21 +90,6 @@ fn vertices(n: usize) -> String {
         1 => "1 vertex".to_owned(),
         n => format!("{n} vertices"),
     }
-}
-
-/// What a camera sees: degrees, scene units, or all around; and its lens.
-fn view(c: &CameraContents) -> String {
-    let mut text = String::new();
-    if let (Some(x), Some(y)) = (c.horizontal_degrees, c.vertical_degrees) {
-        let _ = write!(text, ", {x:.2} x {y:.2} degrees");
-    }
-    if let (Some(x), Some(y)) = (c.width, c.height) {
-        let _ = write!(text, ", {x} x {y} units");
-    }
-    if let (Some(radius), Some(focus)) = (c.aperture, c.focus) {
-        let _ = write!(text, ", lens of radius {radius} focused at {focus}");
-    }
-    text
 }
 
 fn list(v: [f32; 3]) -> String {
