@@ -16,6 +16,8 @@
 //! both sides if its material says so; Lambertian surfaces reflect on both sides; a ray that meets
 //! nothing sees the sky.
 
+mod camera;
+
 use crate::film::{Job, SampleBuffer};
 use crate::scene::{Filter, Scene};
 use crate::settings::{Settings, Strategy};
@@ -192,20 +194,6 @@ impl<'a> Reference<'a> {
         closest
     }
 
-    /// The camera ray through a point of the film, in pixels from its top left corner.
-    fn camera_ray(&self, x: f64, y: f64) -> Ray {
-        let (camera, film) = (&self.scene.camera, &self.scene.film);
-        let right = f64::from(camera.half_width) * (2.0 * x / f64::from(film.width) - 1.0);
-        let up = f64::from(camera.half_height) * (1.0 - 2.0 * y / f64::from(film.height));
-        let direction =
-            vector(camera.forward) + right * vector(camera.right) + up * vector(camera.up);
-        Ray {
-            origin: vector(camera.origin),
-            direction: direction.normalize(),
-            leaves: None,
-        }
-    }
-
     /// Renders the samples of `job` into their slots of `out`, which must have room for them. Returns
     /// false, with slots missing, if `stop` is raised before it is done.
     ///
@@ -232,7 +220,8 @@ impl<'a> Reference<'a> {
         let filter = self.scene.film.filter;
         let x = f64::from(x) + 0.5 + filter_offset(filter, &mut rng);
         let y = f64::from(y) + 0.5 + filter_offset(filter, &mut rng);
-        self.radiance(&mut rng, &self.camera_ray(x, y), 0).into()
+        let ray = camera::ray(self.scene, x, y, &mut rng);
+        self.radiance(&mut rng, &ray, 0).into()
     }
 }
 

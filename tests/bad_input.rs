@@ -334,3 +334,84 @@ fn the_report_shows_the_place() {
     assert!(report.contains("widht = 640"), "{report}");
     assert_eq!(error.line_number(), Some(2));
 }
+
+/// A camera at (0, 0, 5) that looks at the origin, and further keys.
+fn lens_message(keys: &str) -> String {
+    message(&format!(
+        "[camera]\norigin = [0, 0, 5]\ntarget = [0, 0, 0]\n{keys}\n"
+    ))
+}
+
+#[test]
+fn cameras_of_unknown_kinds_and_keys_of_other_kinds() {
+    assert_eq!(
+        lens_message("kind = \"ortographic\""),
+        "s.toml:4:8: camera.kind: unknown value `ortographic`, did you mean `orthographic`?"
+    );
+    assert_eq!(
+        lens_message("apertur = 1"),
+        "s.toml:4:1: unknown key `apertur` in `camera`, did you mean `aperture`?"
+    );
+    assert_eq!(
+        lens_message("width = 3"),
+        "s.toml:4:9: camera.width: `width` is for kind = \"orthographic\", \
+         the camera is \"perspective\""
+    );
+    assert_eq!(
+        lens_message("kind = \"orthographic\"\nwidth = 3\nfov = 30"),
+        "s.toml:6:7: camera.fov: `fov` is for kind = \"perspective\", \
+         the camera is \"orthographic\""
+    );
+    assert_eq!(
+        lens_message("kind = \"panorama\"\naperture = 0.5"),
+        "s.toml:5:12: camera.aperture: `aperture` is for kind = \"perspective\", \
+         the camera is \"panorama\""
+    );
+    assert_eq!(
+        lens_message("kind = \"orthographic\""),
+        "s.toml:1:1: camera: an orthographic camera needs `width`, \
+         the extent of the image in scene units"
+    );
+    assert_eq!(
+        lens_message("kind = \"orthographic\"\nwidth = 0"),
+        "s.toml:5:9: camera.width: found 0, expected a finite number above 0"
+    );
+    assert_eq!(
+        lens_message("kind = \"orthographic\"\nwidth = 1e-45"),
+        "s.toml:5:9: camera.width: the image is too small or too large for 32-bit floats"
+    );
+}
+
+#[test]
+fn lenses_that_cannot_be() {
+    assert_eq!(
+        lens_message("aperture = -0.1"),
+        "s.toml:4:12: camera.aperture: found -0.1, expected 0 or a finite number above 0"
+    );
+    assert_eq!(
+        lens_message("focus = 3"),
+        "s.toml:4:9: camera.focus: does nothing without `aperture`, the radius of the lens"
+    );
+    assert_eq!(
+        lens_message("aperture = 0.1\nfocus = 0"),
+        "s.toml:5:9: camera.focus: found 0, expected a finite number above 0"
+    );
+    assert_eq!(
+        lens_message("aperture = 0.1\nfocus = 3\nfocus_at = [0, 0, 0]"),
+        "s.toml:6:12: camera.focus_at: expected either `focus` or `focus_at`, found both"
+    );
+    assert_eq!(
+        lens_message("aperture = 0.1\nfocus_at = [0, 0, 6]"),
+        "s.toml:5:12: camera.focus_at: the point lies behind the camera, expected one before it"
+    );
+    assert_eq!(
+        lens_message("aperture = 1e20\nfocus = 1e-20"),
+        "s.toml:5:9: camera.focus: the focus is too near or too far for 32-bit floats"
+    );
+    let matrix = "[camera]\nmatrix = [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]\naperture = 1\n";
+    assert_eq!(
+        message(matrix),
+        "s.toml:3:12: camera.aperture: a lens needs `focus` or `focus_at` \
+         where there is no `target`"
+    );
+}

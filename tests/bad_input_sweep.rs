@@ -128,6 +128,8 @@ target = [0, 0, 0]
 up = [0, 1, 0]
 fov = 45.5
 fov_axis = "smaller"
+aperture = 0.25
+focus = 4.5
 [film]
 width = 64
 height = 48

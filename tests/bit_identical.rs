@@ -121,8 +121,15 @@ fn under_a_sky() {
         nadir: [0.5, 0.25, 0.125],
     });
     (scene.film.width, scene.film.height) = (33, 40);
-    (scene.camera.half_width, scene.camera.half_height) = (1.0, 1.2);
+    scene.camera.projection = common::scenes::pinhole(1.0, 1.2);
     assert_identical(&scene, &settings(Strategy::Mis, Integrator::Path));
+}
+
+#[test]
+fn through_a_lens() {
+    let mut scene = box_70_by_51();
+    scene.camera.projection = common::scenes::thin_lens(0.4, 40.0, 1000.0);
+    assert_identical(&scene, &settings(Strategy::Mis, Integrator::Direct));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The scenes that ship load without a warning, and a bare OBJ is framed and lit.
 
-use huygens::scene::{self, Material, Scene};
+use huygens::scene::{self, Extent, Material, Projection, Scene};
 use std::path::Path;
 
 fn load(name: &str) -> Scene {
@@ -58,7 +58,10 @@ fn cornell_box_is_the_measured_one() {
     assert_eq!(scene.mesh.triangles(), 12 + 2 + 2 + 2 + 20);
     assert_eq!(scene.camera.right, [-1.0, 0.0, 0.0]);
     // The film of the data page: half of 0.025 at focal length 0.035, to the angle's 6 digits.
-    assert!((scene.camera.half_width - 0.0125 / 0.035).abs() < 1e-6);
+    let Projection::Perspective { extent, lens: None } = scene.camera.projection else {
+        panic!("a pinhole");
+    };
+    assert!((extent.half_width - 0.0125 / 0.035).abs() < 1e-6);
     let light = scene.materials.iter().position(|m| m.emits()).unwrap();
     let emitting = (0..scene.mesh.triangles())
         .filter(|&i| scene.mesh.material[i] as usize == light)
@@ -134,6 +137,25 @@ fn veach_lights_have_equal_power() {
 }
 
 #[test]
+fn depth_of_field_is_focused_on_a_cubes_front() {
+    let scene = load("depth-of-field.toml");
+    let Projection::Perspective {
+        lens: Some(lens), ..
+    } = scene.camera.projection
+    else {
+        panic!("a lens");
+    };
+    assert_eq!((lens.radius, lens.focus), (0.12, 6.0));
+    let front = scene.camera.origin[2] - lens.focus;
+    let green = scene.materials.iter().position(|m| m.name == "green");
+    let green = green.unwrap() as u32;
+    let corners = (0..scene.mesh.triangles())
+        .filter(|&i| scene.mesh.material[i] == green)
+        .flat_map(|i| scene.mesh.corners(i));
+    assert_eq!(corners.map(|c| c[2]).fold(f32::MIN, f32::max), front);
+}
+
+#[test]
 fn the_documented_example_loads_and_says_what_its_comments_say() {
     let text = include_str!("../docs/scene-format.md");
     let example = text.split("```toml\n").nth(1).unwrap();
@@ -183,6 +205,56 @@ fn the_hash_follows_the_image_and_not_the_layout() {
         assert_ne!(base, hash(&format!("{other}{shape}")), "{other}");
     }
     assert_ne!(base, hash(&shape.replace("max = [1", "max = [2")));
+    // Cameras of one place differ by all that they are asked for; a lens of no size is none.
+    let camera = |keys: &str| {
+        let place = "[camera]\norigin = [5, 5, 5]\ntarget = [0, 0, 0]\n";
+        hash(&format!("{place}{keys}\n{shape}"))
+    };
+    let pinhole = camera("");
+    assert_eq!(pinhole, camera("aperture = 0\nfocus = 3"));
+    let others = [
+        "aperture = 0.5",
+        "aperture = 0.5\nfocus = 3",
+        "aperture = 0.25\nfocus = 3",
+        "kind = \"orthographic\"\nwidth = 1",
+        "kind = \"orthographic\"\nwidth = 2",
+        "kind = \"panorama\"",
+    ];
+    let hashes: std::collections::HashSet<_> = others.iter().map(|k| camera(k)).collect();
+    assert!(hashes.len() == others.len() && !hashes.contains(&pinhole));
+}
+
+#[test]
+fn a_camera_is_what_its_keys_say() {
+    let camera = |keys: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("s.toml");
+        let text = format!("[camera]\norigin = [0, 0, 5]\ntarget = [0, 0, 1]\n{keys}\n");
+        std::fs::write(&path, text + "[film]\nwidth = 200\nheight = 100\n").unwrap();
+        scene::load(&path).unwrap().camera.projection
+    };
+    let lens = |keys: &str| match camera(keys) {
+        Projection::Perspective { lens, .. } => lens.map(|l| (l.radius, l.focus)),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(lens(""), None);
+    assert_eq!(lens("aperture = 0\nfocus = 3"), None);
+    assert_eq!(lens("aperture = 0.5"), Some((0.5, 4.0)), "at the target");
+    assert_eq!(lens("aperture = 0.5\nfocus = 3"), Some((0.5, 3.0)));
+    // Along the view, not as the crow flies.
+    assert_eq!(
+        lens("aperture = 0.5\nfocus_at = [9, -7, 2]"),
+        Some((0.5, 3.0))
+    );
+    let extent = Extent {
+        half_width: 3.0,
+        half_height: 1.5,
+    };
+    assert_eq!(
+        camera("kind = \"orthographic\"\nwidth = 6"),
+        Projection::Orthographic { extent }
+    );
+    assert_eq!(camera("kind = \"panorama\""), Projection::Panorama);
 }
 
 #[test]

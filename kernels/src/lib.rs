@@ -13,6 +13,7 @@ pub mod accumulate;
 pub mod bvh;
 pub mod camera;
 pub mod compact;
+pub mod disk;
 pub mod emission;
 pub mod few;
 pub mod filter;

@@ -1,5 +1,6 @@
 //! `huygens inspect`.
 
+mod camera;
 mod contents;
 mod text;
 

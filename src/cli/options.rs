@@ -113,7 +113,10 @@ impl ImageOptions {
             // The same shape at another resolution is the same camera, to the last bit.
             if u64::from(width) * old.1 != u64::from(height) * old.0 {
                 let aspect = f64::from(width) / f64::from(height);
-                scene.camera.half_width = (f64::from(scene.camera.half_height) * aspect) as f32;
+                // A panorama spans all directions at any shape.
+                if let Some(extent) = scene.camera.projection.extent_mut() {
+                    extent.half_width = (f64::from(extent.half_height) * aspect) as f32;
+                }
             }
             (scene.film.width, scene.film.height) = (width, height);
         }

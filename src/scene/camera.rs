@@ -1,9 +1,10 @@
 //! From what a file says of the camera to the frame that kernels read.
 
-use super::compiled::{FilmSpec, Mesh, Perspective};
+use super::compiled::{Camera, Extent, FilmSpec, Mesh, Projection};
 use super::degrees;
-use super::description::{Camera, FovAxis};
+use super::description::{self, FovAxis};
 use super::error::SceneError;
+use super::projection;
 use super::toml::SceneFile;
 use super::transform::{affine, direction, is_singular, vector};
 use super::values::Finite;
@@ -11,18 +12,40 @@ use glam::DVec3;
 use std::ops::Range;
 
 /// Field of view of a camera that says none, in degrees.
-const FOV: f64 = 40.0;
+pub(super) const FOV: f64 = 40.0;
+
+/// Where a camera stands and how it is turned.
+pub(super) struct Placement {
+    pub(super) origin: DVec3,
+    /// A unit vector.
+    pub(super) forward: DVec3,
+    /// A unit vector, not along `forward`.
+    pub(super) up: DVec3,
+    /// How far away its target is, if it has one.
+    pub(super) target: Option<f64>,
+}
 
 /// The camera of a scene file, whose table is at `span`.
 pub(super) fn compile(
-    camera: &Camera,
+    camera: &description::Camera,
     span: Range<usize>,
     film: FilmSpec,
     file: &SceneFile,
-) -> Result<Perspective, SceneError> {
-    let (origin, forward, up) = match (&camera.matrix, &camera.origin, &camera.target) {
+) -> Result<Camera, SceneError> {
+    let placement = placement(camera, span.clone(), file)?;
+    let projection = projection::compile(camera, span.clone(), &placement, film, file)?;
+    let message = "the camera's position is too far away for 32-bit floats";
+    frame(&placement, projection).ok_or_else(|| file.error(span, message))
+}
+
+fn placement(
+    camera: &description::Camera,
+    span: Range<usize>,
+    file: &SceneFile,
+) -> Result<Placement, SceneError> {
+    match (&camera.matrix, &camera.origin, &camera.target) {
         (Some(matrix), None, None) if camera.up.is_none() => {
-            from_matrix(matrix.get_ref()).map_err(|e| file.error(matrix.span(), e))?
+            from_matrix(matrix.get_ref()).map_err(|e| file.error(matrix.span(), e))
         }
         (None, Some(origin), Some(target)) => {
             let (from, to) = (vector(*origin.get_ref()), vector(*target.get_ref()));
@@ -45,20 +68,22 @@ pub(super) fn compile(
                     format!("the camera looks along its up vector {up:?}, expected another");
                 return Err(file.error(up_span, message));
             }
-            (from, forward, up_unit)
+            Ok(Placement {
+                origin: from,
+                forward,
+                up: up_unit,
+                target: Some((to - from).length()),
+            })
         }
         _ => {
             let message = "expected either `origin` and `target` (and `up`) or `matrix`";
-            return Err(file.error(span, message));
+            Err(file.error(span, message))
         }
-    };
-    let fov = camera.fov.map_or(FOV, |f| f.0);
-    frame(origin, forward, up, fov, camera.fov_axis, film)
-        .ok_or_else(|| file.error(span, "the field of view is too narrow for 32-bit floats"))
+    }
 }
 
 /// Columns of a camera-to-world matrix: right, up, back, position.
-fn from_matrix(rows: &[[Finite; 4]; 4]) -> Result<(DVec3, DVec3, DVec3), String> {
+fn from_matrix(rows: &[[Finite; 4]; 4]) -> Result<Placement, String> {
     let map = affine(rows)?;
     if is_singular(&map.matrix3) {
         return Err("the camera's matrix is singular".to_owned());
@@ -68,7 +93,12 @@ fn from_matrix(rows: &[[Finite; 4]; 4]) -> Result<(DVec3, DVec3, DVec3), String>
     }
     let unit = |v| direction(v).ok_or_else(|| "the camera's matrix is singular".to_owned());
     let [up, back] = [unit(map.matrix3.y_axis)?, unit(map.matrix3.z_axis)?];
-    Ok((map.translation, -back, up))
+    Ok(Placement {
+        origin: map.translation,
+        forward: -back,
+        up,
+        target: None,
+    })
 }
 
 /// Whether unit vectors `forward` and `up` span no plane, beyond rounding: each normalised component
@@ -77,18 +107,27 @@ fn is_parallel(forward: DVec3, up: DVec3, lost: f64) -> bool {
     forward.cross(up).length() <= 16.0 * f64::EPSILON * (1.0 + lost)
 }
 
-/// An orthonormal frame looking along `forward`, with `up`, both unit vectors, as near to upright
-/// as that allows. `None` where f32 cannot hold it.
-fn frame(
-    origin: DVec3,
-    forward: DVec3,
-    up: DVec3,
-    fov: f64,
-    axis: FovAxis,
-    film: FilmSpec,
-) -> Option<Perspective> {
-    let right = forward.cross(up).normalize();
+/// An orthonormal frame, as near to upright as the view allows. `None` where f32 cannot hold it.
+fn frame(placement: &Placement, projection: Projection) -> Option<Camera> {
+    let forward = placement.forward;
+    let right = forward.cross(placement.up).normalize();
     let up = right.cross(forward);
+    let camera = Camera {
+        origin: placement.origin.as_vec3().to_array(),
+        forward: forward.as_vec3().to_array(),
+        right: right.as_vec3().to_array(),
+        up: up.as_vec3().to_array(),
+        projection,
+    };
+    camera
+        .origin
+        .iter()
+        .all(|x| x.is_finite())
+        .then_some(camera)
+}
+
+/// Half the image at distance 1 for a field of view in degrees. `None` where f32 cannot hold it.
+pub(super) fn extent(fov: f64, axis: FovAxis, film: FilmSpec) -> Option<Extent> {
     let (sin, cos) = degrees::sin_cos(fov / 2.0);
     let half = sin / cos;
     let (width, height) = (f64::from(film.width), f64::from(film.height));
@@ -102,25 +141,35 @@ fn frame(
     } else {
         (half * width / height, half)
     };
-    let camera = Perspective {
-        origin: origin.as_vec3().to_array(),
-        forward: forward.as_vec3().to_array(),
-        right: right.as_vec3().to_array(),
-        up: up.as_vec3().to_array(),
+    halves(half_width, half_height)
+}
+
+/// In f32, where that can hold it.
+pub(super) fn halves(half_width: f64, half_height: f64) -> Option<Extent> {
+    let extent = Extent {
         half_width: half_width as f32,
         half_height: half_height as f32,
     };
-    let sizes = [camera.half_width, camera.half_height];
-    let holds = sizes.iter().all(|&s| s > 0.0 && s.is_finite())
-        && camera.origin.iter().all(|x| x.is_finite());
-    holds.then_some(camera)
+    let sizes = [extent.half_width, extent.half_height];
+    let holds = sizes.iter().all(|&s| s > 0.0 && s.is_finite());
+    holds.then_some(extent)
 }
 
 /// A three-quarter view, y up, from as near as all of the mesh can be seen, and a little further.
 /// Without a mesh: from the world's origin along -z. `None` where the mesh is too large to stand
 /// back from.
-pub(super) fn framing(mesh: &Mesh, film: FilmSpec) -> Option<Perspective> {
-    let view = |origin, forward| frame(origin, forward, DVec3::Y, FOV, FovAxis::Smaller, film);
+pub(super) fn framing(mesh: &Mesh, film: FilmSpec) -> Option<Camera> {
+    let extent = extent(FOV, FovAxis::Smaller, film)?;
+    let projection = Projection::Perspective { extent, lens: None };
+    let view = |origin, forward| {
+        let placement = Placement {
+            origin,
+            forward,
+            up: DVec3::Y,
+            target: None,
+        };
+        frame(&placement, projection)
+    };
     let corners = || {
         let vertex = |&v: &u32| DVec3::from_array(mesh.vertices[v as usize].map(f64::from));
         mesh.indices.iter().flatten().map(vertex)
@@ -133,8 +182,8 @@ pub(super) fn framing(mesh: &Mesh, film: FilmSpec) -> Option<Perspective> {
     let towards = DVec3::new(0.55, 0.4, 0.75).normalize();
     let at_centre = view(centre, -towards)?;
     let axis = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-    let right = axis(at_centre.right) / f64::from(at_centre.half_width);
-    let up = axis(at_centre.up) / f64::from(at_centre.half_height);
+    let right = axis(at_centre.right) / f64::from(extent.half_width);
+    let up = axis(at_centre.up) / f64::from(extent.half_height);
     // A point is in the image if neither offset exceeds its depth, which is the camera's distance
     // less how far the point lies towards the camera.
     let distance = corners()
@@ -162,16 +211,27 @@ mod tests {
     #[test]
     fn field_of_view_spans_the_axis_it_names() {
         let halves = |axis, film| {
-            let camera = frame(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 90.0, axis, film).unwrap();
-            assert_eq!(camera.right, [1.0, 0.0, 0.0]);
-            assert_eq!(camera.up, [0.0, 1.0, 0.0]);
-            (camera.half_width, camera.half_height)
+            let extent = extent(90.0, axis, film).unwrap();
+            (extent.half_width, extent.half_height)
         };
         // The tangent of 45 degrees is 1 to an ulp of f64, so exactly in f32.
         assert_eq!(halves(FovAxis::X, film(200, 100)), (1.0, 0.5));
         assert_eq!(halves(FovAxis::Y, film(200, 100)), (2.0, 1.0));
         assert_eq!(halves(FovAxis::Smaller, film(200, 100)), (2.0, 1.0));
         assert_eq!(halves(FovAxis::Smaller, film(100, 200)), (1.0, 2.0));
+    }
+
+    #[test]
+    fn a_frame_is_upright_and_right_is_right() {
+        let placement = Placement {
+            origin: DVec3::ZERO,
+            forward: DVec3::NEG_Z,
+            up: DVec3::Y,
+            target: None,
+        };
+        let camera = frame(&placement, Projection::Panorama).unwrap();
+        assert_eq!(camera.right, [1.0, 0.0, 0.0]);
+        assert_eq!(camera.up, [0.0, 1.0, 0.0]);
     }
 
     proptest! {
@@ -194,12 +254,15 @@ mod tests {
             let film = if portrait { film(90, 160) } else { film(160, 90) };
             let camera = framing(&mesh, film).unwrap();
             let axis = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+            let Projection::Perspective { extent, lens: None } = camera.projection else {
+                panic!("a pinhole");
+            };
             for &v in &mesh.vertices {
                 let to = axis(v) - axis(camera.origin);
                 let depth = to.dot(axis(camera.forward));
                 prop_assert!(depth > 0.0);
-                prop_assert!(to.dot(axis(camera.right)).abs() <= depth * f64::from(camera.half_width));
-                prop_assert!(to.dot(axis(camera.up)).abs() <= depth * f64::from(camera.half_height));
+                prop_assert!(to.dot(axis(camera.right)).abs() <= depth * f64::from(extent.half_width));
+                prop_assert!(to.dot(axis(camera.up)).abs() <= depth * f64::from(extent.half_height));
             }
         }
     }

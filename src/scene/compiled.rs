@@ -11,7 +11,7 @@ pub struct Scene {
     /// BLAKE3 of everything that the image depends on in the scene (not of the file's layout).
     pub hash: [u8; 32],
     /// The camera.
-    pub camera: Perspective,
+    pub camera: Camera,
     /// The film.
     pub film: FilmSpec,
     /// All triangles.
@@ -108,10 +108,10 @@ impl Sky {
     }
 }
 
-/// A pinhole camera.
+/// A camera: where it stands, how it is turned, and how it projects.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Perspective {
-    /// Centre of projection.
+pub struct Camera {
+    /// Where it stands: centre of projection, middle of the lens or of the plane of parallel rays.
     pub origin: [f32; 3],
     /// Unit vector towards the scene.
     pub forward: [f32; 3],
@@ -119,10 +119,57 @@ pub struct Perspective {
     pub right: [f32; 3],
     /// Unit vector to the top of the image.
     pub up: [f32; 3],
-    /// Half the image's width at distance 1: the tangent of half the horizontal field of view.
+    /// How it projects.
+    pub projection: Projection,
+}
+
+/// From the film to rays.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Rays from one point, or through one lens. The extent is that of the image at distance 1: half
+    /// the width is the tangent of half the horizontal field of view.
+    Perspective {
+        /// Half of the image, at distance 1.
+        extent: Extent,
+        /// The lens; without one, the camera is a pinhole.
+        lens: Option<Lens>,
+    },
+    /// Parallel rays.
+    Orthographic {
+        /// Half of the image, in scene units.
+        extent: Extent,
+    },
+    /// All directions, equirectangular: longitude across, with `forward` in the middle; latitude
+    /// down, with `up` at the upper edge.
+    Panorama,
+}
+
+impl Projection {
+    /// Half the image, where it has a width and a height.
+    pub fn extent_mut(&mut self) -> Option<&mut Extent> {
+        match self {
+            Self::Perspective { extent, .. } | Self::Orthographic { extent } => Some(extent),
+            Self::Panorama => None,
+        }
+    }
+}
+
+/// Half of an image's width and height; both positive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Half the width.
     pub half_width: f32,
-    /// Half the image's height at distance 1.
+    /// Half the height.
     pub half_height: f32,
+}
+
+/// A thin, round lens across the view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// Its radius in scene units, positive.
+    pub radius: f32,
+    /// Distance of the plane of focus from the lens, along the view, in scene units; positive.
+    pub focus: f32,
 }
 
 /// Image size and pixel filter.

@@ -5,7 +5,7 @@ use super::compiled::Filter;
 use super::import::{Counts, Format};
 use super::transform::Transform;
 use super::values::{
-    Count, FieldOfView, Finite, Natural, NonNegative, OneOrThree, Pixels, Positive, Unit,
+    Count, FieldOfView, Finite, Natural, NonNegative, OneOrThree, Pixels, Positive, Radius, Unit,
 };
 use crate::settings::{Integrator, Preset, Sampler, Strategy};
 use serde::Deserialize;
@@ -35,8 +35,23 @@ pub(super) struct Camera {
     pub(super) target: Option<Spanned<[Finite; 3]>>,
     pub(super) up: Option<Spanned<[Finite; 3]>>,
     pub(super) matrix: Option<Spanned<[[Finite; 4]; 4]>>,
-    pub(super) fov: Option<FieldOfView>,
-    pub(super) fov_axis: FovAxis,
+    pub(super) kind: CameraKind,
+    pub(super) fov: Option<Spanned<FieldOfView>>,
+    pub(super) fov_axis: Option<Spanned<FovAxis>>,
+    pub(super) aperture: Option<Spanned<Radius>>,
+    pub(super) focus: Option<Spanned<Positive>>,
+    pub(super) focus_at: Option<Spanned<[Finite; 3]>>,
+    pub(super) width: Option<Spanned<Positive>>,
+}
+
+/// How a camera projects.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum CameraKind {
+    #[default]
+    Perspective,
+    Orthographic,
+    Panorama,
 }
 
 /// Which extent of the image the field of view spans.

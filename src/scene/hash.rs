@@ -1,6 +1,6 @@
 //! The identity of a scene: two files of one hash give one image for equal settings.
 
-use super::compiled::{Filter, Scene};
+use super::compiled::{Extent, Filter, Projection, Scene};
 
 /// BLAKE3 of the tables that the image depends on, in a fixed order, each with its length. Names,
 /// warnings and settings have no part in it.
@@ -13,7 +13,25 @@ pub(super) fn of(scene: &Scene) -> [u8; 32] {
     table(b"huygens scene 1");
     let c = &scene.camera;
     table(bytemuck::cast_slice(&[c.origin, c.forward, c.right, c.up]));
-    table(bytemuck::cast_slice(&[c.half_width, c.half_height]));
+    // Kinds are told apart by the lengths of their first tables: 8, 16, 12 and 15 bytes.
+    let halves = |e: Extent| [e.half_width, e.half_height];
+    match c.projection {
+        Projection::Perspective { extent, lens: None } => {
+            table(bytemuck::cast_slice(&halves(extent)));
+        }
+        Projection::Perspective {
+            extent,
+            lens: Some(lens),
+        } => table(bytemuck::cast_slice(&[
+            halves(extent),
+            [lens.radius, lens.focus],
+        ])),
+        Projection::Orthographic { extent } => {
+            table(b"orthographic");
+            table(bytemuck::cast_slice(&halves(extent)));
+        }
+        Projection::Panorama => table(b"equirectangular"),
+    }
     let filter = match scene.film.filter {
         Filter::Box => 0,
         Filter::Tent => 1,

@@ -14,13 +14,16 @@ mod error;
 mod hash;
 mod import;
 mod load;
+mod projection;
 mod shapes;
 mod toml;
 mod transform;
 mod triangulate;
 mod values;
 
-pub use compiled::{FilmSpec, Filter, Material, Mesh, Perspective, Scene, Sky};
+pub use compiled::{
+    Camera, Extent, FilmSpec, Filter, Lens, Material, Mesh, Projection, Scene, Sky,
+};
 pub use error::SceneError;
 pub use import::Counts;
 pub use load::{Parsed, Source};

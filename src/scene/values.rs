@@ -63,6 +63,10 @@ number!(
     Positive, "a finite number above 0", |x| x as f32 > 0.0 && x <= LARGEST
 );
 number!(
+    /// A radius that may be 0. What is above 0 is so in f32 too.
+    Radius, "0 or a finite number above 0", |x| x == 0.0 || (x as f32 > 0.0 && x <= LARGEST)
+);
+number!(
     /// A field of view in degrees.
     FieldOfView, "an angle above 0 and below 180 degrees", |x| x > 0.0 && x < 180.0
 );

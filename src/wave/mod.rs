@@ -7,6 +7,7 @@
 //! ```
 
 mod account;
+mod camera;
 mod control;
 mod generate;
 mod intersect;

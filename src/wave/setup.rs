@@ -1,5 +1,6 @@
 //! What all workers of a render share: the scene as tables, and the stages' settings.
 
+use super::camera;
 use super::sampling::AnySampler;
 use super::shade::Program;
 use super::sort::Wanted;
@@ -55,7 +56,7 @@ impl<'a> Setup<'a> {
                 .map(crate::scene::Material::emits)
                 .collect(),
             lens: Lens {
-                camera: tables::pixel_camera(&scene.camera, scene.film.width, scene.film.height),
+                camera: camera::in_pixels(&scene.camera, &scene.film),
                 filter,
                 last_ray: limit == 0,
             },

@@ -1,7 +1,6 @@
 //! From a compiled scene to the tables that kernels read.
 
-use crate::scene::{Mesh, Perspective, Scene, Sky};
-use huygens_kernels::camera;
+use crate::scene::{Mesh, Scene, Sky};
 use huygens_kernels::rays::NO_PRIMITIVE;
 use huygens_kernels::tables::{Lights, Materials, Tables, Triangles};
 
@@ -143,20 +142,6 @@ pub(crate) fn alias_table(weights: &[f64]) -> (Vec<f32>, Vec<u32>) {
     }
     // What is left is 1 up to rounding.
     (keep, alias)
-}
-
-/// The camera in pixels: what the generate kernel takes.
-pub(crate) fn pixel_camera(c: &Perspective, width: u32, height: u32) -> camera::Perspective {
-    let v = |a: [f32; 3]| glam::DVec3::from_array(a.map(f64::from));
-    let half_right = v(c.right) * f64::from(c.half_width);
-    let half_up = v(c.up) * f64::from(c.half_height);
-    let f32s = |a: glam::DVec3| a.to_array().map(|e| e as f32);
-    camera::Perspective {
-        origin: c.origin,
-        corner: f32s(v(c.forward) - half_right + half_up),
-        right: f32s(half_right * (2.0 / f64::from(width))),
-        down: f32s(half_up * (-2.0 / f64::from(height))),
-    }
 }
 
 #[cfg(test)]

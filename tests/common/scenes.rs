@@ -1,6 +1,6 @@
 //! Scenes with known answers, built in code so that no test here depends on a scene file.
 
-use huygens::scene::{FilmSpec, Filter, Material, Mesh, Perspective, Scene};
+use huygens::scene::{Camera, Extent, FilmSpec, Filter, Lens, Material, Mesh, Projection, Scene};
 use huygens::settings::Settings;
 
 /// A scene under construction.
@@ -71,7 +71,7 @@ impl Builder {
     }
 
     /// The finished scene.
-    pub(crate) fn scene(self, camera: Perspective, width: u32, height: u32) -> Scene {
+    pub(crate) fn scene(self, camera: Camera, width: u32, height: u32) -> Scene {
         Scene {
             name: "test".into(),
             hash: [0; 32],
@@ -91,15 +91,33 @@ impl Builder {
 }
 
 /// A camera at `origin` that looks along the z axis, towards +z if `forward` is 1, with +y up.
-pub(crate) fn camera_along_z(origin: [f32; 3], forward: f32, half_width: f32) -> Perspective {
-    Perspective {
+pub(crate) fn camera_along_z(origin: [f32; 3], forward: f32, half_width: f32) -> Camera {
+    Camera {
         origin,
         forward: [0.0, 0.0, forward],
         right: [-forward, 0.0, 0.0],
         up: [0.0, 1.0, 0.0],
-        half_width,
-        half_height: half_width,
+        projection: pinhole(half_width, half_width),
     }
+}
+
+/// A pinhole of half the image at distance 1.
+pub(crate) fn pinhole(half_width: f32, half_height: f32) -> Projection {
+    let extent = Extent {
+        half_width,
+        half_height,
+    };
+    Projection::Perspective { extent, lens: None }
+}
+
+/// The same through a lens.
+pub(crate) fn thin_lens(half: f32, radius: f32, focus: f32) -> Projection {
+    let extent = Extent {
+        half_width: half,
+        half_height: half,
+    };
+    let lens = Some(Lens { radius, focus });
+    Projection::Perspective { extent, lens }
 }
 
 /// The Cornell box, in millimetres, as measured at the Program of Computer Graphics of Cornell
@@ -238,13 +256,12 @@ pub(crate) fn floor_from_above(albedo: f32, mut b: Builder) -> Scene {
             [-1e3, 0.0, -1e3],
         ],
     );
-    let camera = Perspective {
+    let camera = Camera {
         origin: [0.0, 1.0, 0.0],
         forward: [0.0, -1.0, 0.0],
         right: [1.0, 0.0, 0.0],
         up: [0.0, 0.0, -1.0],
-        half_width: 1e-6,
-        half_height: 1e-6,
+        projection: pinhole(1e-6, 1e-6),
     };
     b.scene(camera, 2, 2)
 }

@@ -1,5 +1,6 @@
 //! What a scene holds, in numbers.
 
+use super::camera::CameraContents;
 use crate::cli::options;
 use huygens::film::Film;
 use huygens::scene::{self, Filter, Mesh, Scene};
@@ -44,15 +45,6 @@ pub(super) struct ImageContents {
 }
 
 #[derive(Debug, Serialize)]
-pub(super) struct CameraContents {
-    pub(super) origin: [f32; 3],
-    pub(super) forward: [f32; 3],
-    pub(super) up: [f32; 3],
-    pub(super) horizontal_degrees: f64,
-    pub(super) vertical_degrees: f64,
-}
-
-#[derive(Debug, Serialize)]
 pub(super) struct MaterialContents {
     pub(super) name: String,
     pub(super) triangles: usize,
@@ -83,7 +75,6 @@ impl Contents {
     /// `tables` are those of the acceleration structure, with their bytes.
     pub(crate) fn of(scene: &Scene, file: &Path, tables: &[(&'static str, usize)]) -> Self {
         let materials = materials(scene);
-        let degrees = |half: f32| 2.0 * f64::from(half).atan().to_degrees();
         let bounds = Bounds::of(&scene.mesh);
         let memory = memory(scene, tables);
         let triangles = scene.mesh.triangles();
@@ -103,13 +94,7 @@ impl Contents {
                 height: scene.film.height,
                 filter: scene.film.filter,
             },
-            camera: CameraContents {
-                origin: scene.camera.origin,
-                forward: scene.camera.forward,
-                up: scene.camera.up,
-                horizontal_degrees: degrees(scene.camera.half_width),
-                vertical_degrees: degrees(scene.camera.half_height),
-            },
+            camera: CameraContents::of(&scene.camera),
             materials,
             settings: options::as_options(scene),
             bytes_per_triangle: each(geometry.map(|t| t.bytes).sum(), triangles),

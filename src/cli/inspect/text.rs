@@ -27,12 +27,12 @@ impl Contents {
         line(
             "camera",
             format!(
-                "at {}, towards {}, up {}, {:.2} x {:.2} degrees",
+                "{} at {}, towards {}, up {}{}",
+                c.kind,
                 list(c.origin),
                 list(c.forward),
                 list(c.up),
-                c.horizontal_degrees,
-                c.vertical_degrees
+                c.view()
             ),
         );
         line("settings", self.settings.clone());

@@ -1,5 +1,5 @@
 use super::*;
-use huygens::scene::{FilmSpec, Mesh, Perspective};
+use huygens::scene::{Camera, Extent, FilmSpec, Mesh, Projection};
 use huygens::settings::Settings;
 use huygens::wave::BounceStats;
 use serde_json::Value;
@@ -9,13 +9,18 @@ pub(crate) fn scene() -> Scene {
     Scene {
         name: "test".into(),
         hash: [1; 32],
-        camera: Perspective {
+        camera: Camera {
             origin: [0.0; 3],
             forward: [0.0, 0.0, -1.0],
             right: [1.0, 0.0, 0.0],
             up: [0.0, 1.0, 0.0],
-            half_width: 1.0,
-            half_height: 0.5,
+            projection: Projection::Perspective {
+                extent: Extent {
+                    half_width: 1.0,
+                    half_height: 0.5,
+                },
+                lens: None,
+            },
         },
         film: FilmSpec {
             width: 20,

@@ -1,10 +1,23 @@
-//! Camera rays: perspective projection through a filtered point of the pixel.
+//! Camera rays: through a filtered point of the pixel, by the projection that the scene asks for.
 //!
 //! The filter is realised by importance sampling (see `filter`): the point is drawn from the filter
-//! about the pixel's centre, and the sample weighs 1. The direction is
-//! `forward + x right + y up`, normalised, `x` and `y` running over the image plane at distance 1.
+//! about the pixel's centre, and the sample weighs 1. Of the camera's block of random numbers the
+//! first two are for that, the other two for the lens, if there is one.
+//!
+//! Each [`Projection`] is compiled into an instance of the kernel of its own: four, times the
+//! samplers. Which one runs is decided once a call.
 //!
 //! Written: 64 bytes an item.
+
+mod orthographic;
+mod panorama;
+mod perspective;
+mod thin_lens;
+
+pub use orthographic::Orthographic;
+pub use panorama::Panorama;
+pub use perspective::Perspective;
+pub use thin_lens::ThinLens;
 
 use crate::filter;
 use crate::lanes::{Fx, LANES, Ux, iota, padded, store, store_u32, to_f32};
@@ -14,18 +27,26 @@ use crate::sampler::{CAMERA_BLOCK, Sampler};
 use crate::vec3::Vec3x;
 use std::ops::Range;
 
-/// A pinhole camera, ready for pixels: a point at `(x, y)` pixels from the image's top left corner
-/// lies in direction `corner + x right + y down`.
+/// From points of the image to rays.
+pub trait Projection: Copy {
+    /// Origins, and directions of length 1 to rounding, of the rays through the points that lie
+    /// `(x, y)` pixels from the image's top left corner, also a filter's radius outside of it.
+    /// `lens` is a point of the unit square for the point of the lens, which is left alone where
+    /// there is no lens.
+    fn ray(&self, x: Fx, y: Fx, lens: [Fx; 2]) -> (Vec3x, Vec3x);
+}
+
+/// A camera, ready for pixels.
 #[derive(Clone, Copy, Debug)]
-pub struct Perspective {
-    /// Centre of projection.
-    pub origin: [f32; 3],
-    /// Direction of the image's top left corner.
-    pub corner: [f32; 3],
-    /// One pixel to the right.
-    pub right: [f32; 3],
-    /// One pixel down.
-    pub down: [f32; 3],
+pub enum Camera {
+    /// A pinhole.
+    Perspective(Perspective),
+    /// A lens: depth of field.
+    ThinLens(ThinLens),
+    /// Parallel rays.
+    Orthographic(Orthographic),
+    /// All directions.
+    Panorama(Panorama),
 }
 
 /// A run of camera samples: slots of one tile and sample range, pixel by pixel.
@@ -47,7 +68,7 @@ pub struct Window {
 #[derive(Clone, Debug)]
 pub struct Lens<'a> {
     /// The camera.
-    pub camera: Perspective,
+    pub camera: Camera,
     /// Inverse distribution of the pixel filter; see `filter`.
     pub filter: &'a [f32],
     /// Whether a camera ray is its path's last ray.
@@ -64,7 +85,25 @@ pub fn camera_rays<S: Sampler>(
     paths: &mut PathsMut,
     at: usize,
 ) {
-    let (n, camera) = (slots.len(), &lens.camera);
+    match lens.camera {
+        Camera::Perspective(c) => fill(c, lens, window, slots, sampler, paths, at),
+        Camera::ThinLens(c) => fill(c, lens, window, slots, sampler, paths, at),
+        Camera::Orthographic(c) => fill(c, lens, window, slots, sampler, paths, at),
+        Camera::Panorama(c) => fill(c, lens, window, slots, sampler, paths, at),
+    }
+}
+
+/// [`camera_rays`] of one projection.
+fn fill<P: Projection, S: Sampler>(
+    projection: P,
+    lens: &Lens,
+    window: Window,
+    slots: Range<usize>,
+    sampler: S,
+    paths: &mut PathsMut,
+    at: usize,
+) {
+    let n = slots.len();
     let bounces = Ux::splat(if lens.last_ray { LAST_RAY } else { 0 });
     let slot = slots.start as u32;
     let (pixel, mut offset) = (slot / window.samples, slot % window.samples);
@@ -86,18 +125,13 @@ pub fn camera_rays<S: Sampler>(
         }
         let (x, y, sample) = (Ux::new(x), Ux::new(y), Ux::new(sample));
         let name = sampler.pixel(x, y);
-        let [u, v, ..] = sampler.draw4(name, sample, Ux::splat(CAMERA_BLOCK));
+        let [u, v, s, t] = sampler.draw4(name, sample, Ux::splat(CAMERA_BLOCK));
         let half = Fx::splat(0.5);
         let fx = to_f32(x) + half + filter::sample(lens.filter, u);
         let fy = to_f32(y) + half + filter::sample(lens.filter, v);
-        let direction = Vec3x::splat(camera.right)
-            .scale_add(
-                fx,
-                Vec3x::splat(camera.down).scale_add(fy, Vec3x::splat(camera.corner)),
-            )
-            .normalized();
+        let (origin, direction) = projection.ray(fx, fy, [s, t]);
         let to = at + i;
-        Vec3x::splat(camera.origin).store(&mut paths.origin, to);
+        origin.store(&mut paths.origin, to);
         direction.store(&mut paths.direction, to);
         Vec3x::splat([1.0; 3]).store(&mut paths.throughput, to);
         store(paths.pdf, to, Fx::ONE);
