@@ -49,8 +49,9 @@ fn run(arguments: &[String]) -> Result<(), String> {
     let mut scene = scene::load(path.as_ref()).map_err(|e| e.to_string())?;
     let (width, height) = size.split_once('x').ok_or("the size is WIDTHxHEIGHT")?;
     (scene.film.width, scene.film.height) = (number(width)?, number(height)?);
-    scene.camera.half_width =
-        scene.camera.half_height * scene.film.width as f32 / scene.film.height as f32;
+    if let Some(extent) = scene.camera.projection.extent_mut() {
+        extent.half_width = extent.half_height * scene.film.width as f32 / scene.film.height as f32;
+    }
     let reference_spp = number(reference_spp)?;
     let ladder: Vec<u32> = ladder.split(',').map(number).collect::<Result<_, _>>()?;
     let seeds = seeds.first().map_or(Ok(4), |s| number(s))?;
