@@ -61,7 +61,8 @@ pub enum Preset {
     /// The least time to build and render in most cases.
     #[default]
     Balanced,
-    /// The quickest to trace: also tries a tree that cuts long triangles, and keeps the better one.
+    /// The quickest to trace: also tries a tree that cuts long triangles, with up to twice as many
+    /// references, and others; keeps the one that should cost rays least.
     Best,
 }
 

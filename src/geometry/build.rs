@@ -1,10 +1,10 @@
-//! From triangles to binary trees: clustering (`ploc.rs`) or splitting (`sbvh/`), then obvhs'
+//! From triangles to a binary tree: splitting (`sbvh/`) or clustering (`ploc.rs`), then obvhs'
 //! reinsertion, which takes badly placed subtrees out and puts them where they cost least
 //! (D. Meister, J. Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", CGF
 //! 37(2), 2018). It moves whole leaves, which splitting has filled: on trees with one triangle a
 //! leaf it spoils the blocks, see `docs/performance.md`.
 
-use super::{ploc, sbvh};
+use super::{collapse::Collapse, ploc, sbvh};
 use crate::scene::Mesh;
 use crate::settings::Preset;
 use glam::Vec3A;
@@ -24,8 +24,8 @@ const CUTS: f32 = 1.0;
 /// at 30 to 60 levels for millions of triangles and hardly grow; one that is this deep already
 /// comes from boxes that reinsertion could not improve.
 const DEEP: usize = 96;
-/// Areas of boxes beyond this size overflow, and neither reinsertion nor splitting can do with a
-/// NaN.
+/// Areas of boxes beyond this size overflow: there is no surface area heuristic, and reinsertion
+/// panics on a NaN. Clustering takes whatever comes.
 const HUGE: f32 = 1e18;
 
 /// A binary tree. Node 0 is the root, children lie side by side and after their parents until
@@ -40,9 +40,8 @@ pub(super) struct Binary {
 }
 
 impl Binary {
-    /// The trees that `preset` chooses from, over all triangles of `mesh` that are finite; none if
-    /// there are no such triangles.
-    pub(super) fn candidates(mesh: &Mesh, preset: Preset) -> Vec<Self> {
+    /// The tree over all triangles of `mesh` that are finite; none if there are no such triangles.
+    pub(super) fn build(mesh: &Mesh, preset: Preset) -> Option<Self> {
         // A scene promises finite vertices. Should one slip through, its triangles are left out
         // rather than let spoil every comparison of areas.
         let kept: Vec<u32> = (0..mesh.triangles() as u32)
@@ -50,7 +49,7 @@ impl Binary {
             .filter(|&i| is_finite(&bounds(mesh, i as usize)))
             .collect();
         if kept.is_empty() {
-            return Vec::new();
+            return None;
         }
         let largest = mesh
             .vertices
@@ -59,24 +58,36 @@ impl Binary {
             .map(|c| c.abs())
             .filter(|c| c.is_finite())
             .reduce(|| 0.0, f32::max);
-        if preset == Preset::Fast || largest >= HUGE {
-            return vec![Self::cluster(mesh, kept)];
+        if largest >= HUGE {
+            return Some(Self::cluster(mesh, &kept));
         }
-        match preset {
-            Preset::Best => vec![
-                sbvh::build(mesh, &kept, 0.0).reinsert(SLOW),
-                sbvh::build(mesh, &kept, CUTS).reinsert(SLOW),
-            ],
-            _ => vec![sbvh::build(mesh, &kept, 0.0).reinsert(MEDIUM)],
+        Some(match preset {
+            Preset::Fast => sbvh::build(mesh, &kept, 0.0),
+            Preset::Balanced => sbvh::build(mesh, &kept, 0.0).reinsert(MEDIUM),
+            Preset::Best => {
+                // One after the other, so that no more than two are in memory.
+                let split = sbvh::build(mesh, &kept, 0.0).reinsert(SLOW);
+                let split = split.or(Self::cluster(mesh, &kept).reinsert(SLOW));
+                split.or(sbvh::build(mesh, &kept, CUTS).reinsert(SLOW))
+            }
+        })
+    }
+
+    /// The tree that costs less; if both cost the same, this one.
+    fn or(self, other: Self) -> Self {
+        if Collapse::new(&other).sah_cost() < Collapse::new(&self).sah_cost() {
+            other
+        } else {
+            self
         }
     }
 
     /// The tree over the triangles `kept`, by clustering.
-    fn cluster(mesh: &Mesh, kept: Vec<u32>) -> Self {
+    fn cluster(mesh: &Mesh, kept: &[u32]) -> Self {
         let boxes: Vec<Aabb> = kept.par_iter().map(|&i| bounds(mesh, i as usize)).collect();
         Self {
             nodes: ploc::build(&boxes),
-            triangles: kept,
+            triangles: kept.to_vec(),
             repeats: false,
         }
     }

@@ -1,6 +1,6 @@
 //! What rays meet. Everything above sees only [`Geometry`].
 //!
-//! Triangles -> boxes -> binary tree (`build`, `ploc`, `sbvh`) -> eight children a node (`collapse`) ->
+//! Triangles -> boxes -> binary tree (`build`, `sbvh`, `ploc`) -> eight children a node (`collapse`) ->
 //! tables (`layout`), which the kernels walk.
 
 mod build;
@@ -59,15 +59,10 @@ impl Geometry {
     /// On a vertex index outside the mesh, and on more than about 2^31 triangles.
     #[must_use]
     pub fn build_with(mesh: &Mesh, preset: Preset) -> Self {
-        let trees = Binary::candidates(mesh, preset);
-        // Of equally good ones the first: it refers to each triangle once.
-        let best = trees
-            .iter()
-            .map(Collapse::new)
-            .reduce(|a, b| if b.sah_cost() < a.sah_cost() { b } else { a });
-        let Some(collapse) = best else {
+        let Some(tree) = Binary::build(mesh, preset) else {
             return Self::default();
         };
+        let collapse = Collapse::new(&tree);
         let root = collapse.aabb(0);
         Self {
             layout: Layout::new(mesh, &collapse),

@@ -70,13 +70,9 @@ fn leaves_hold_no_triangle_twice_and_together_all() {
 }
 
 #[test]
-fn best_costs_least() {
+fn best_costs_less_where_triangles_are_long() {
     let mesh = blades(3000);
-    let [fast, balanced, best] = [Preset::Fast, Preset::Balanced, Preset::Best]
+    let [balanced, best] = [Preset::Balanced, Preset::Best]
         .map(|preset| Geometry::build_with(&mesh, preset).sah_cost());
-    assert!(
-        balanced < fast,
-        "{balanced} and {fast}: reinsertion gains nothing"
-    );
     assert!(best < balanced, "{best} and {balanced}: cuts gain nothing");
 }
