@@ -7,7 +7,7 @@
 //!
 //! **Which rays.** Eight neighbours of the view make a packet if they agree on the main axis and on
 //! the signs of all components, no component's reciprocal overflows, and their slopes lie within
-//! [`SPREAD`]. Rays scattered by a surface hardly ever do, and asking costs little; so nobody needs
+//! `SPREAD`. Rays scattered by a surface hardly ever do, and asking costs little; so nobody needs
 //! to say which rays are camera rays. What makes no packet is left to `flight.rs`.
 //!
 //! **The same answers.** The interval test computes, for each plane, the extreme over the corners of
