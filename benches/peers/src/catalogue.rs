@@ -3,7 +3,7 @@
 use crate::meshes::{self, Sculptor};
 use crate::sphere;
 use glam::{Vec3, vec3};
-use huygens::scene::{self, Mesh, Perspective, Scene};
+use huygens::scene::{self, Extent, Mesh, Projection, Scene};
 use std::path::{Path, PathBuf};
 
 /// What is measured: a mesh, where it is seen from and where its light is.
@@ -40,8 +40,15 @@ impl Camera {
     }
 
     /// The scene's own camera, over the shorter side of its image.
-    fn of(camera: &Perspective) -> Self {
-        let half = camera.half_width.min(camera.half_height);
+    fn of(camera: &scene::Camera) -> Self {
+        let Projection::Perspective { extent, .. } = camera.projection else {
+            unreachable!("the scenes of this bench have perspective cameras");
+        };
+        let Extent {
+            half_width,
+            half_height,
+        } = extent;
+        let half = half_width.min(half_height);
         Self {
             eye: camera.origin.into(),
             forward: camera.forward.into(),
