@@ -190,9 +190,9 @@ fn a_scene_beyond_the_memory_allowed_is_refused_unread() {
         // 2 + 2 * 1 + 12 triangles, 4 + 2 * 3 + 8 vertices, 100 pixels.
         assert_eq!(
             String::from_utf8_lossy(&output.stderr),
-            "error: the scene needs about 10.2 kB of memory while it renders, more than the \
+            "error: the scene needs about 9.86 kB of memory while it renders, more than the \
              9.00 kB of --max-memory\n  help: vertices 216 B, vertex indices 192 B, material \
-             indices 64 B, bvh nodes 304 B, bvh triangles 992 B, film 5.60 kB, image 2.80 kB\n"
+             indices 64 B, bvh nodes 256 B, bvh triangles 736 B, film 5.60 kB, image 2.80 kB\n"
         );
         assert_eq!(output.status.code(), Some(2));
         let output = run("20k");
