@@ -81,7 +81,7 @@ impl RoughDiffuse {
     /// Probability of drawing uniformly.
     #[inline(always)]
     fn uniform_part(&self, o: Vec3x) -> Fx {
-        self.roughness * (Fx::ONE - o.z) * Fx::splat(0.5)
+        self.roughness * (Fx::ONE - o.z).fast_max(Fx::ZERO) * Fx::splat(0.5)
     }
 
     /// For `i.z > 0`.
@@ -126,6 +126,8 @@ impl RoughDiffuse {
 /// singularity.
 #[inline(always)]
 fn g_over_pi(mu: Fx) -> Fx {
+    // A unit vector's component may round to more than 1.
+    let mu = mu.fast_min(Fx::ONE);
     let sin = ((Fx::ONE - mu) * (Fx::ONE + mu)).fast_max(Fx::ZERO).sqrt();
     let near = acos_unit(mu) - sin * mu;
     let far = mu * (sin.mul_add(sin, sin) + Fx::ONE) / (sin + Fx::ONE) - Fx::ONE;
