@@ -10,6 +10,7 @@
 //! reaches a result.
 
 pub mod accumulate;
+pub mod bsdf;
 pub mod bvh;
 pub mod camera;
 pub mod compact;
