@@ -27,7 +27,7 @@ fn settings(strategy: Strategy) -> Settings {
 fn no_light_renders_black() {
     let mut scene = cornell_box(9);
     for material in &mut scene.materials {
-        material.emission = [0.0; 3];
+        material.emission = [0.0; 3].into();
     }
     for strategy in STRATEGIES {
         // `render` asserts that nothing was dropped.

@@ -24,9 +24,10 @@ impl SceneTables {
     pub(crate) fn new(scene: &Scene) -> Self {
         let mut tables = Self::default();
         for m in &scene.materials {
+            let albedo = m.albedo(&scene.materials);
             for c in 0..3 {
-                tables.albedo[c].push(m.albedo[c]);
-                tables.emission[c].push(m.emission[c]);
+                tables.albedo[c].push(albedo[c]);
+                tables.emission[c].push(m.emission.factor[c]);
             }
             tables
                 .two_sided
@@ -35,7 +36,9 @@ impl SceneTables {
         let exitance: Vec<f64> = scene
             .materials
             .iter()
-            .map(|m| luminance(m.emission) * std::f64::consts::PI * (1.0 + f64::from(m.two_sided)))
+            .map(|m| {
+                luminance(m.emission.factor) * std::f64::consts::PI * (1.0 + f64::from(m.two_sided))
+            })
             .collect();
         let mut powers = Vec::new();
         for (i, &m) in scene.mesh.material.iter().enumerate() {

@@ -137,8 +137,8 @@ fn materials(scene: &Scene) -> Vec<MaterialContents> {
         name: m.name.clone(),
         triangles,
         area,
-        albedo: m.albedo,
-        emission: m.emission,
+        albedo: m.albedo(&scene.materials),
+        emission: m.emission.factor,
         two_sided: m.two_sided,
     };
     scene.materials.iter().zip(worn).map(contents).collect()
@@ -227,12 +227,11 @@ mod tests {
             vertices: vec![[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]],
             indices: vec![[0, 1, 2]],
             material: vec![0],
+            ..Mesh::default()
         };
         scene.materials.push(Material {
-            name: "lamp".into(),
-            albedo: [0.5; 3],
-            emission: [1.0, 2.0, 0.0],
             two_sided: true,
+            ..Material::diffuse("lamp", [0.5; 3], [1.0, 2.0, 0.0])
         });
         scene.sky = Some(Sky::constant([1.0; 3]));
         scene

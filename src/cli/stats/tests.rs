@@ -29,6 +29,7 @@ pub(crate) fn scene() -> Scene {
         },
         mesh: Mesh::default(),
         materials: Vec::new(),
+        textures: Vec::new(),
         sky: None,
         settings: Settings {
             ao_distance: Some(2.5),
