@@ -95,8 +95,14 @@ impl Corners {
 #[inline(always)]
 #[must_use]
 pub fn spawn(p: Vec3x, s: Vec3x, normal: Vec3x) -> Vec3x {
-    let distance = normal.abs().dot(s) * Fx::splat(gamma(16.0));
-    normal.scale_add(distance, p)
+    normal.scale_add(clearance(s, normal), p)
+}
+
+/// How far a ray starts off its surface along the unit vector `normal`; `s` from [`Corners::point`].
+#[inline(always)]
+#[must_use]
+pub fn clearance(s: Vec3x, normal: Vec3x) -> Fx {
+    normal.abs().dot(s) * Fx::splat(gamma(16.0))
 }
 
 /// `LANES` surface interactions.

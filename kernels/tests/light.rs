@@ -100,6 +100,7 @@ impl Scene {
             },
             materials: Materials {
                 albedo,
+                parameters: [&[0.0; 2]; huygens_kernels::tables::SLOTS],
                 emission: [&[1.0, 2.0], &[3.0, 4.0], &[5.0, 6.0]],
                 two_sided: &[0, u32::MAX],
                 area_pdf: &self.area_pdf,
@@ -313,6 +314,7 @@ fn a_back_that_does_not_emit_is_no_valid_sample() {
     let mut source = Source(9);
     let materials = Materials {
         albedo: [&[0.5; 2]; 3],
+        parameters: [&[0.0; 2]; huygens_kernels::tables::SLOTS],
         emission: [&[1.0; 2]; 3],
         two_sided: &[0, 0],
         area_pdf: &scene.area_pdf,

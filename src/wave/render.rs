@@ -5,6 +5,7 @@ use super::setup::Setup;
 use super::stats::RenderStats;
 use super::tables::SceneTables;
 use super::{Control, Wave, scheduler};
+use crate::effects::Effects;
 use crate::film::{Film, Job, SampleBuffer, filter};
 use crate::geometry::Geometry;
 use crate::reference::Reference;
@@ -35,7 +36,8 @@ pub fn render(
     } else {
         let tables = SceneTables::new(scene);
         let filter = filter::table(scene.film.filter);
-        let setup = Setup::new(scene, &tables, geometry, settings, &filter);
+        let effects = Effects::of(scene, settings);
+        let setup = Setup::new(scene, &effects, &tables, geometry, settings, &filter);
         accounts(
             scheduler::run(film, settings, control, || Wave::new(&setup)),
             |w| w.account,
