@@ -35,6 +35,7 @@ pub mod sampler;
 pub mod scatter;
 pub mod slabs;
 pub mod soa;
+pub mod sphere;
 pub mod surface;
 pub mod tables;
 pub mod traverse;
