@@ -36,6 +36,7 @@ pub mod sampler;
 pub mod scatter;
 pub mod slabs;
 pub mod soa;
+pub mod sphere;
 pub mod surface;
 pub mod tables;
 pub mod traverse;

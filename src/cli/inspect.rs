@@ -35,7 +35,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let path = &args.scene.scene;
     let progress = Progress::new(false);
-    let scene = load(&args.scene, None, progress)?.scene;
+    let scene = load(&args.scene, None, args.bvh, progress)?.scene;
     warn(&scene.warnings, args.scene.strict)?;
     let label = format!(
         "build over {}",

@@ -89,6 +89,7 @@ struct Entry {
 pub(crate) struct Account {
     entries: Vec<Entry>,
     dropped: Vec<Dropped>,
+    untraceable: Vec<Dropped>,
 }
 
 impl Account {
@@ -102,6 +103,7 @@ impl Account {
         Self {
             entries: vec![entry; Stage::COUNT],
             dropped: Vec::new(),
+            untraceable: Vec::new(),
         }
     }
 
@@ -141,6 +143,11 @@ impl Account {
         book_drop(&mut self.dropped, stage, 1, &[at]);
     }
 
+    /// Books a ray that could not be traced.
+    pub(crate) fn lose_ray(&mut self, stage: &'static str, at: (u32, u32, u32)) {
+        book_drop(&mut self.untraceable, stage, 1, &[at]);
+    }
+
     /// Adds another worker's accounting.
     pub(crate) fn merge(&mut self, other: &Self) {
         for (a, b) in self.entries.iter_mut().zip(&other.entries) {
@@ -157,6 +164,9 @@ impl Account {
         for d in &other.dropped {
             book_drop(&mut self.dropped, d.stage, d.count, &d.examples);
         }
+        for d in &other.untraceable {
+            book_drop(&mut self.untraceable, d.stage, d.count, &d.examples);
+        }
     }
 
     /// Closest-hit rays by bounce 0 and later, and occlusion rays.
@@ -167,8 +177,13 @@ impl Account {
         (rows(Stage::Intersect)[0].items_in, after, shadow)
     }
 
-    /// Stages that ran, and what was dropped.
-    pub(crate) fn report(&self) -> (Vec<StageStats>, Vec<Dropped>) {
+    /// Values that were dropped, and rays that could not be traced.
+    pub(crate) fn losses(&self) -> [Vec<Dropped>; 2] {
+        [self.dropped.clone(), self.untraceable.clone()]
+    }
+
+    /// Stages that ran.
+    pub(crate) fn report(&self) -> Vec<StageStats> {
         let stages = Stage::all().zip(&self.entries).filter(|(_, e)| e.calls > 0);
         let stages = stages.map(|(stage, e)| {
             let depth = e.rows.iter().rposition(|r| *r != BounceStats::default());
@@ -184,7 +199,7 @@ impl Account {
                 bounces: e.rows[..depth.map_or(0, |d| d + 1)].to_vec(),
             }
         });
-        (stages.collect(), self.dropped.clone())
+        stages.collect()
     }
 }
 
@@ -228,7 +243,7 @@ mod tests {
         let mut account = Account::new();
         let tally = Tally::of(&[2, 2, 1, 0, 0, 0, 0], 0);
         account.book(Stage::Intersect, Instant::now(), &tally, &tally);
-        let (stages, _) = account.report();
+        let stages = account.report();
         let parts: f64 = stages[0].bounces.iter().map(|b| b.seconds).sum();
         // Three additions and products of numbers of one sign.
         assert!((parts - stages[0].seconds).abs() <= 8.0 * f64::EPSILON * stages[0].seconds);

@@ -137,7 +137,9 @@ impl scheduler::Worker for Wave<'_> {
 
             let under_way = Tally::of(&paths.view().bounces[..paths.len()], 0);
             let start = Instant::now();
-            intersect::intersect(geometry, paths, hits);
+            intersect::intersect(geometry, paths, hits, |slot| {
+                account.lose_ray(Stage::Intersect.name(), job.sample_of(slot));
+            });
             account.book(Stage::Intersect, start, &under_way, &under_way);
 
             let start = Instant::now();
@@ -226,9 +228,18 @@ impl scheduler::Worker for Wave<'_> {
             self.rays += (paths.len() + shadows.len()) as u64;
             if shadows.len() > 0 {
                 let start = Instant::now();
-                intersect::occlude(geometry, shadows, occlusion, samples, |slot| {
-                    account.drop_sample(Stage::Occlude.name(), job.sample_of(slot));
-                });
+                let mut lost = Vec::new();
+                intersect::occlude(
+                    geometry,
+                    shadows,
+                    occlusion,
+                    samples,
+                    |slot| lost.push(slot),
+                    |slot| account.drop_sample(Stage::Occlude.name(), job.sample_of(slot)),
+                );
+                for slot in lost {
+                    account.lose_ray(Stage::Occlude.name(), job.sample_of(slot));
+                }
                 account.book(Stage::Occlude, start, &cast, &Tally::default());
             }
 

@@ -44,7 +44,7 @@ pub fn render(
         )
     };
     let (camera_rays, bounce_rays, shadow_rays) = account.rays();
-    let (stages, dropped) = account.report();
+    let [dropped, untraceable] = account.losses();
     RenderStats {
         seconds: start.elapsed().as_secs_f64(),
         threads,
@@ -54,8 +54,9 @@ pub fn render(
         shadow_rays,
         mean_depth: bounce_rays as f64 / camera_rays.max(1) as f64,
         stopped: control.stop.load(Ordering::Relaxed),
-        stages,
+        stages: account.report(),
         dropped,
+        untraceable,
     }
 }
 
