@@ -62,7 +62,7 @@ impl Program {
         }
     }
 
-    /// Whether a ray that scatters no more can still find light.
+    /// Whether a ray that scatters no more can still find light that counts, whatever its pdf.
     pub(crate) fn last_ray_is_of_use(self) -> bool {
         matches!(self, Self::Uniform | Self::Cosine | Self::Mis)
     }
@@ -83,7 +83,7 @@ impl Program {
                 matches!(self, Self::Ambient { .. })
             },
             emission: transport,
-            camera_only: self == Self::Light,
+            unsampled_only: self == Self::Light,
         }
     }
 }

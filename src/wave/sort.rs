@@ -77,8 +77,9 @@ pub(crate) struct Wanted {
     pub(crate) sky: bool,
     /// Whether emission is looked at.
     pub(crate) emission: bool,
-    /// Whether it is looked at only straight from the camera.
-    pub(crate) camera_only: bool,
+    /// Whether only light that next-event estimation cannot have found is looked at: along rays of
+    /// infinite pdf.
+    pub(crate) unsampled_only: bool,
 }
 
 impl Lists {
@@ -113,8 +114,8 @@ impl Lists {
         lists.into_iter().for_each(IndexList::clear);
         for_each_run(&paths.bounces[..n], |bounce, run| {
             let before = [self.sky.len, self.emission.len, self.scatter.len];
-            let light = !wanted.camera_only || bounce == 0;
             for i in run {
+                let light = !wanted.unsampled_only || paths.pdf[i] == f32::INFINITY;
                 let primitive = hits.primitive[i];
                 if primitive == NO_PRIMITIVE {
                     self.sky.push_if(i, wanted.sky && light);
