@@ -49,6 +49,14 @@ impl Shader {
         }
     }
 
+    /// Whether light passes through.
+    #[must_use]
+    pub fn passes(self) -> bool {
+        match self {
+            Self::Plain | Self::Diffuse | Self::RoughDiffuse => false,
+        }
+    }
+
     /// The shader of a material that is no mixture; `smooth` if a surface that wears it has
     /// interpolated normals.
     fn of(material: &Material, smooth: bool) -> Self {

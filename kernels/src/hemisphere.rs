@@ -9,7 +9,7 @@
 //! axis is the normal, with `z > 0`, so no pdf that is divided by is ever 0: uniform takes
 //! `1 - u`, at least 2^-24, for the cosine; cosine takes `1 - u` under the root.
 
-use crate::lanes::Fx;
+use crate::lanes::{Fx, Mask};
 use crate::math::{INV_PI, sin_cos_turn};
 use crate::vec3::Vec3x;
 
@@ -25,6 +25,24 @@ pub fn sample_uniform(u: Fx, v: Fx) -> Vec3x {
     let r = (u * (Fx::ONE + z)).sqrt();
     let (sin, cos) = sin_cos_turn(v);
     Vec3x::new(r * cos, r * sin, z)
+}
+
+/// As [`sample_uniform`], over the whole sphere where `both_sides`; pdf [`uniform_pdf`].
+#[inline(always)]
+#[must_use]
+pub fn sample_sides(u: Fx, v: Fx, both_sides: Mask) -> Vec3x {
+    let u = both_sides.select(u + u, u);
+    let z = Fx::ONE - u;
+    let r = (u * (Fx::ONE + z)).sqrt();
+    let (sin, cos) = sin_cos_turn(v);
+    Vec3x::new(r * cos, r * sin, z)
+}
+
+/// `1 / (4 pi)` where `both_sides`, else [`UNIFORM_PDF`].
+#[inline(always)]
+#[must_use]
+pub fn uniform_pdf(both_sides: Mask) -> Fx {
+    both_sides.select(Fx::splat(0.5 * UNIFORM_PDF), Fx::splat(UNIFORM_PDF))
 }
 
 /// Cosine-weighted over the hemisphere about +z; pdf [`cosine_pdf`] of the result's `z`.

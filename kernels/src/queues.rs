@@ -6,6 +6,13 @@ use crate::soa;
 /// Set in `bounces` of a path that may find light but does not scatter again.
 pub const LAST_RAY: u32 = 1 << 31;
 
+/// Set in `bounces` of a path whose ray leaves a surface that light passes through: next-event
+/// estimation there looked for light on both sides, which the pdf of light found depends on.
+pub const BOTH_SIDES: u32 = 1 << 30;
+
+/// All marks that may be set in `bounces`.
+pub const MARKS: u32 = LAST_RAY | BOTH_SIDES;
+
 soa! {
     /// Paths, each at the start of its next ray.
     pub struct Paths, PathsMut {
@@ -15,7 +22,8 @@ soa! {
         direction: Vec3,
         /// Product of BSDF * cos / pdf (and 1 / survival) over the path so far.
         throughput: Vec3,
-        /// Solid-angle pdf of `direction`; unspecified for camera rays.
+        /// Solid-angle pdf of `direction`; infinite where nothing but this ray could have found what
+        /// it finds: camera rays, and directions that a delta lobe gave.
         pdf: F32,
         /// The triangle that the ray leaves, or `NO_PRIMITIVE`.
         leaves: U32,
@@ -25,7 +33,7 @@ soa! {
         pixel: U32,
         /// Sample index within the pixel.
         sample: U32,
-        /// Scattering events so far: the path's dimension counter. [`LAST_RAY`] may be set in it.
+        /// Scattering events so far: the path's dimension counter. [`MARKS`] may be set in it.
         bounces: U32,
     }
 }
@@ -79,7 +87,7 @@ pub struct Identity {
     pub pixel: Ux,
     /// Sample index within the pixel.
     pub sample: Ux,
-    /// Scattering events so far.
+    /// Scattering events so far, without marks.
     pub bounces: Ux,
 }
 
@@ -92,7 +100,7 @@ impl Paths<'_> {
             slot: gather_u32(self.slot, at),
             pixel: gather_u32(self.pixel, at),
             sample: gather_u32(self.sample, at),
-            bounces: gather_u32(self.bounces, at),
+            bounces: gather_u32(self.bounces, at) & Ux::splat(!MARKS),
         }
     }
 }
@@ -104,7 +112,7 @@ soa! {
         /// The hit point.
         point: Vec3,
         /// How far along `normal`, to either side, a ray has to start to be off the surface.
-        offset: F32,
+        clearance: F32,
         /// Unit geometric normal on the side that the path came from.
         normal: Vec3,
         /// Unit shading normal: the z axis of the local frame.

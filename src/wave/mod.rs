@@ -197,7 +197,7 @@ impl scheduler::Worker for Wave<'_> {
                         surfaces.interact(listed, tables, sampler);
                         start = account.book(Stage::Interact, start, &list.tally, &list.tally);
                         if program.samples_lights() && !shader.is_delta() {
-                            surfaces.light_up(tables);
+                            surfaces.light_up(shader, tables);
                             start = account.book(Stage::Light, start, &list.tally, &list.tally);
                         }
                         surfaces.respond(program, shader, listed, tables, &mut out);

@@ -63,7 +63,7 @@ impl Program {
         }
     }
 
-    /// Whether a ray that scatters no more can still find light.
+    /// Whether a ray that scatters no more can still find light that counts, whatever its pdf.
     pub(crate) fn last_ray_is_of_use(self) -> bool {
         matches!(self, Self::Uniform | Self::Cosine | Self::Mis)
     }

@@ -89,8 +89,8 @@ pub(crate) struct Wanted {
     pub(crate) sky: bool,
     /// Whether emission is looked at.
     pub(crate) emission: bool,
-    /// Whether it is looked at only by rays that light samples do not stand for: those straight from
-    /// the camera or out of a delta distribution.
+    /// Whether only light that next-event estimation cannot have found is looked at: along rays of
+    /// infinite pdf.
     pub(crate) unsampled_only: bool,
 }
 
@@ -159,9 +159,8 @@ impl Lists {
                 list.before = list.len;
             }
             for i in run {
+                let light = !wanted.unsampled_only || paths.pdf[i] == bsdf::DELTA_PDF;
                 let primitive = hits.primitive[i];
-                let light =
-                    !wanted.unsampled_only || bounce == 0 || paths.pdf[i] == bsdf::DELTA_PDF;
                 if primitive == NO_PRIMITIVE {
                     self.sky.push_if(i, wanted.sky && light);
                 } else {

@@ -52,10 +52,11 @@ impl Surfaces {
     }
 
     /// One sample of the light around each.
-    pub(crate) fn light_up(&mut self, tables: &Tables) {
+    pub(crate) fn light_up(&mut self, shader: Shader, tables: &Tables) {
         let n = self.surfaces.len();
         let (surfaces, drawn) = (self.surfaces.view(), self.drawn.view());
-        light_up(n, surfaces, drawn, tables, self.lit.view_mut());
+        let passes = shader.passes();
+        light_up(n, surfaces, drawn, tables, passes, self.lit.view_mut());
         self.lit.set_len(n);
     }
 

@@ -33,7 +33,7 @@ pub fn interact<S: Sampler>(
         let shading = normal;
         let s = &mut surfaces;
         point.store(&mut s.point, i);
-        store(s.offset, i, clearance(scale, normal));
+        store(s.clearance, i, clearance(scale, normal));
         normal.store(&mut s.normal, i);
         shading.store(&mut s.shading, i);
         let local = Frame::about(shading).to_local(-direction);

@@ -21,7 +21,6 @@ use crate::hemisphere::to_world;
 use crate::lanes::{Fx, Ux, as_mask, store, store_u32};
 use crate::light::sample_light;
 use crate::math::INV_PI;
-use crate::mis::power_heuristic;
 use crate::queues::Listed;
 use crate::sampler::{Block, Sampler};
 use crate::surface::Surface;
@@ -59,10 +58,10 @@ pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(
 
         if N::LIGHTS {
             let u = draw(sampler, &path, Block::Light);
-            let light = sample_light(tables, surface.origin, surface.normal, u);
+            let light = sample_light(tables, &surface.anchor(Fx::ZERO), u);
             let cos = surface.normal.dot(light.direction);
             let weight = if N::WEIGHTED {
-                power_heuristic(light.pdf, D::pdf(cos))
+                light.weight(D::pdf(cos))
             } else {
                 Fx::ONE
             };
@@ -76,7 +75,7 @@ pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(
             let kept = Kept::new(carries);
             let to = out.shadow_len;
             let s = &mut out.shadows;
-            kept.store3(&mut s.origin, to, surface.origin);
+            kept.store3(&mut s.origin, to, light.origin);
             kept.store3(&mut s.direction, to, light.segment);
             kept.store(s.t_max, to, light.t_max);
             kept.store3(&mut s.radiance, to, radiance);

@@ -18,7 +18,7 @@ use crate::compact::Kept;
 use crate::hemisphere::Frame;
 use crate::lanes::{Fx, LANES, Mask, Ux, as_mask, first, load, load_u32, padded, store, store_u32};
 use crate::mis::power_heuristic;
-use crate::queues::{Drawn, Listed, Lit, Surfaces};
+use crate::queues::{BOTH_SIDES, Drawn, Listed, Lit, Surfaces};
 use crate::tables::{Materials, Parameters};
 use crate::vec3::Vec3x;
 
@@ -28,6 +28,8 @@ pub trait Kind {
     type Bsdf: Bsdf;
     /// Whether nothing but its own sampling finds its directions: light is not sampled then.
     const DELTA: bool;
+    /// Whether light passes through: what lies below is lit too.
+    const PASSES: bool = false;
     /// Fetches the parameters, for surfaces seen from their front or their back.
     fn load(parameters: Parameters, front: Mask) -> Self::Bsdf;
 }
@@ -80,8 +82,8 @@ pub fn respond<K: Kind, N: NextEvent>(rows: Rows, materials: &Materials, out: &m
         let carried = sampled
             .weight
             .keep(sampled.valid & agree(side, sampled.direction.z));
-        let offset = load(surfaces.offset, i);
-        let origin = normal.scale_add(offset.copysign(side), Vec3x::load(surfaces.point, i));
+        let clearance = load(surfaces.clearance, i);
+        let origin = normal.scale_add(clearance.copysign(side), Vec3x::load(surfaces.point, i));
         let to = out.path_len + i;
         let p = &mut out.paths;
         origin.store(&mut p.origin, to);
@@ -92,7 +94,8 @@ pub fn respond<K: Kind, N: NextEvent>(rows: Rows, materials: &Materials, out: &m
         store_u32(p.slot, to, path.slot);
         store_u32(p.pixel, to, path.pixel);
         store_u32(p.sample, to, path.sample);
-        store_u32(p.bounces, to, path.bounces + Ux::ONE);
+        let mark = if K::PASSES { BOTH_SIDES } else { 0 };
+        store_u32(p.bounces, to, (path.bounces + Ux::ONE) | Ux::splat(mark));
 
         if N::LIGHTS && !K::DELTA {
             let direction = Vec3x::load(lit.direction, i);
