@@ -2,6 +2,7 @@
 
 use super::stats::{BounceStats, Dropped, StageStats};
 use super::tally::{ROWS, Tally};
+use crate::effects::Shader;
 use huygens_kernels::lanes::padded;
 use std::time::Instant;
 
@@ -13,22 +14,49 @@ pub(crate) enum Stage {
     Sort,
     Sky,
     Emission,
-    Scatter,
+    Interact,
+    Light,
+    Scatter(Shader),
     Occlude,
     Roulette,
 }
 
 impl Stage {
-    const ALL: [Self; 8] = [
-        Self::Generate,
-        Self::Intersect,
-        Self::Sort,
-        Self::Sky,
-        Self::Emission,
-        Self::Scatter,
-        Self::Occlude,
-        Self::Roulette,
-    ];
+    const COUNT: usize = 9 + Shader::ALL.len();
+
+    /// All stages.
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        let before = [
+            Self::Generate,
+            Self::Intersect,
+            Self::Sort,
+            Self::Sky,
+            Self::Emission,
+            Self::Interact,
+            Self::Light,
+        ];
+        let shaders = Shader::ALL.into_iter().map(Self::Scatter);
+        before
+            .into_iter()
+            .chain(shaders)
+            .chain([Self::Occlude, Self::Roulette])
+    }
+
+    /// Its place among [`Stage::all`].
+    fn index(self) -> usize {
+        match self {
+            Self::Generate => 0,
+            Self::Intersect => 1,
+            Self::Sort => 2,
+            Self::Sky => 3,
+            Self::Emission => 4,
+            Self::Interact => 5,
+            Self::Light => 6,
+            Self::Scatter(shader) => 7 + shader as usize,
+            Self::Occlude => Self::COUNT - 2,
+            Self::Roulette => Self::COUNT - 1,
+        }
+    }
 
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -37,7 +65,11 @@ impl Stage {
             Self::Sort => "sort",
             Self::Sky => "shade: sky",
             Self::Emission => "shade: emission",
-            Self::Scatter => "shade: surface",
+            Self::Interact => "interact",
+            Self::Light => "sample lights",
+            Self::Scatter(Shader::Plain) => "shade: surface",
+            Self::Scatter(Shader::Diffuse) => "shade: diffuse",
+            Self::Scatter(Shader::RoughDiffuse) => "shade: rough diffuse",
             Self::Occlude => "occlude",
             Self::Roulette => "roulette",
         }
@@ -57,6 +89,7 @@ struct Entry {
 pub(crate) struct Account {
     entries: Vec<Entry>,
     dropped: Vec<Dropped>,
+    untraceable: Vec<Dropped>,
 }
 
 impl Account {
@@ -68,12 +101,13 @@ impl Account {
             rows: [BounceStats::default(); ROWS],
         };
         Self {
-            entries: vec![entry; Stage::ALL.len()],
+            entries: vec![entry; Stage::COUNT],
             dropped: Vec::new(),
+            untraceable: Vec::new(),
         }
     }
 
-    /// Books one call of `stage` that began at `start`. Time goes to the bounces by items in (by
+    /// Books one call of `stage` that began at `start`, and returns the present. Time goes to the bounces by items in (by
     /// items out where nothing comes in).
     pub(crate) fn book(
         &mut self,
@@ -81,9 +115,10 @@ impl Account {
         start: Instant,
         items_in: &Tally,
         items_out: &Tally,
-    ) {
-        let seconds = start.elapsed().as_secs_f64();
-        let entry = &mut self.entries[stage as usize];
+    ) -> Instant {
+        let now = Instant::now();
+        let seconds = now.duration_since(start).as_secs_f64();
+        let entry = &mut self.entries[stage.index()];
         let by = if items_in.total > 0 {
             items_in
         } else {
@@ -100,11 +135,17 @@ impl Account {
             r.lanes_busy += u64::from(by.rows[row]);
             r.seconds += each * f64::from(by.rows[row]);
         }
+        now
     }
 
     /// Books a value that was not finite.
     pub(crate) fn drop_sample(&mut self, stage: &'static str, at: (u32, u32, u32)) {
         book_drop(&mut self.dropped, stage, 1, &[at]);
+    }
+
+    /// Books a ray that could not be traced.
+    pub(crate) fn lose_ray(&mut self, stage: &'static str, at: (u32, u32, u32)) {
+        book_drop(&mut self.untraceable, stage, 1, &[at]);
     }
 
     /// Adds another worker's accounting.
@@ -123,22 +164,27 @@ impl Account {
         for d in &other.dropped {
             book_drop(&mut self.dropped, d.stage, d.count, &d.examples);
         }
+        for d in &other.untraceable {
+            book_drop(&mut self.untraceable, d.stage, d.count, &d.examples);
+        }
     }
 
     /// Closest-hit rays by bounce 0 and later, and occlusion rays.
     pub(crate) fn rays(&self) -> (u64, u64, u64) {
-        let rows = |s: Stage| &self.entries[s as usize].rows;
+        let rows = |s: Stage| &self.entries[s.index()].rows;
         let after: u64 = rows(Stage::Intersect)[1..].iter().map(|r| r.items_in).sum();
         let shadow = rows(Stage::Occlude).iter().map(|r| r.items_in).sum();
         (rows(Stage::Intersect)[0].items_in, after, shadow)
     }
 
-    /// Stages that ran, and what was dropped.
-    pub(crate) fn report(&self) -> (Vec<StageStats>, Vec<Dropped>) {
-        let stages = Stage::ALL
-            .iter()
-            .zip(&self.entries)
-            .filter(|(_, e)| e.calls > 0);
+    /// Values that were dropped, and rays that could not be traced.
+    pub(crate) fn losses(&self) -> [Vec<Dropped>; 2] {
+        [self.dropped.clone(), self.untraceable.clone()]
+    }
+
+    /// Stages that ran.
+    pub(crate) fn report(&self) -> Vec<StageStats> {
+        let stages = Stage::all().zip(&self.entries).filter(|(_, e)| e.calls > 0);
         let stages = stages.map(|(stage, e)| {
             let depth = e.rows.iter().rposition(|r| *r != BounceStats::default());
             let sum = |f: fn(&BounceStats) -> u64| e.rows.iter().map(f).sum();
@@ -153,7 +199,7 @@ impl Account {
                 bounces: e.rows[..depth.map_or(0, |d| d + 1)].to_vec(),
             }
         });
-        (stages.collect(), self.dropped.clone())
+        stages.collect()
     }
 }
 
@@ -187,11 +233,17 @@ mod tests {
     use super::*;
 
     #[test]
+    fn every_stage_has_its_place() {
+        let places: Vec<usize> = Stage::all().map(Stage::index).collect();
+        assert_eq!(places, (0..Stage::COUNT).collect::<Vec<_>>());
+    }
+
+    #[test]
     fn apportioned_seconds_add_up() {
         let mut account = Account::new();
         let tally = Tally::of(&[2, 2, 1, 0, 0, 0, 0], 0);
         account.book(Stage::Intersect, Instant::now(), &tally, &tally);
-        let (stages, _) = account.report();
+        let stages = account.report();
         let parts: f64 = stages[0].bounces.iter().map(|b| b.seconds).sum();
         // Three additions and products of numbers of one sign.
         assert!((parts - stages[0].seconds).abs() <= 8.0 * f64::EPSILON * stages[0].seconds);

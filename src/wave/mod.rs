@@ -11,6 +11,7 @@ mod camera;
 mod control;
 mod generate;
 mod intersect;
+mod plan;
 mod queue;
 mod render;
 mod roulette;
@@ -20,23 +21,28 @@ mod setup;
 mod shade;
 mod sort;
 mod stats;
+mod surfaces;
 mod tables;
 mod tally;
 
 pub use control::Control;
+pub use plan::{Plan, QueuePlan, plan};
 pub use render::render;
 pub use stats::{BounceStats, Dropped, RenderStats, StageStats};
 
+use crate::effects::Shader;
 use crate::film::{Job, SampleBuffer};
 use account::{Account, Stage};
 use generate::Source;
 use huygens_kernels::compact::Kept;
 use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
+use huygens_kernels::scatter::Out;
 use queue::Queue;
 use setup::Setup;
 use sort::Lists;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
+use surfaces::Surfaces;
 use tally::Tally;
 
 /// One worker's wave: its queues, allocated once.
@@ -45,6 +51,8 @@ struct Wave<'a> {
     paths: Queue<PathsMut<'static>>,
     hits: Queue<PathHitsMut<'static>>,
     lists: Lists,
+    /// Where some surfaces are more than plain diffuse ones.
+    surfaces: Option<Surfaces>,
     scattered: Queue<PathsMut<'static>>,
     shadows: Queue<ShadowsMut<'static>>,
     occlusion: Queue<OcclusionMut<'static>>,
@@ -56,18 +64,33 @@ struct Wave<'a> {
 impl<'a> Wave<'a> {
     fn new(setup: &'a Setup<'a>) -> Self {
         let capacity = setup.capacity;
+        let shadows = if setup.casts_shadows() { capacity } else { 0 };
         Self {
             setup,
             paths: Queue::new(capacity),
             hits: Queue::new(capacity),
-            lists: Lists::new(capacity),
+            lists: Lists::new(capacity, setup.shaders.len(), setup.wanted),
+            surfaces: setup.surfaces(),
             scattered: Queue::new(capacity),
-            shadows: Queue::new(capacity),
-            occlusion: Queue::new(capacity),
+            shadows: Queue::new(shadows),
+            occlusion: Queue::new(shadows),
             kept: Vec::with_capacity(capacity),
             account: Account::new(),
             rays: 0,
         }
+    }
+
+    /// Its queues, as they are.
+    fn queues(&self) -> Vec<QueuePlan> {
+        let mut queues = Vec::new();
+        queues.extend(QueuePlan::of("paths", &self.paths));
+        queues.extend(QueuePlan::of("hits", &self.hits));
+        queues.extend(self.lists.queues(self.setup));
+        queues.extend(self.surfaces.iter().flat_map(Surfaces::queues));
+        queues.extend(QueuePlan::of("scattered", &self.scattered));
+        queues.extend(QueuePlan::of("shadows", &self.shadows));
+        queues.extend(QueuePlan::of("occlusion", &self.occlusion));
+        queues
     }
 }
 
@@ -79,6 +102,7 @@ impl scheduler::Worker for Wave<'_> {
             paths,
             hits,
             lists,
+            surfaces,
             scattered,
             shadows,
             occlusion,
@@ -113,7 +137,9 @@ impl scheduler::Worker for Wave<'_> {
 
             let under_way = Tally::of(&paths.view().bounces[..paths.len()], 0);
             let start = Instant::now();
-            intersect::intersect(geometry, paths, hits);
+            intersect::intersect(geometry, paths, hits, |slot| {
+                account.lose_ray(Stage::Intersect.name(), job.sample_of(slot));
+            });
             account.book(Stage::Intersect, start, &under_way, &under_way);
 
             let start = Instant::now();
@@ -122,7 +148,7 @@ impl scheduler::Worker for Wave<'_> {
                 paths.view(),
                 hits.view(),
                 tables.triangles.material,
-                &setup.emits,
+                &setup.routes,
                 setup.wanted,
             );
             account.book(Stage::Sort, start, &under_way, &lists.tally());
@@ -153,31 +179,67 @@ impl scheduler::Worker for Wave<'_> {
                     &Tally::default(),
                 );
             }
-            let start = Instant::now();
-            let scatter = lists.scatter.of(at, hit);
-            let sinks = shade::Sinks {
-                scattered,
-                shadows,
-                samples,
+            let mut out = Out {
+                paths: scattered.view_mut(),
+                path_len: 0,
+                shadows: shadows.view_mut(),
+                shadow_len: 0,
             };
-            shade::surface(program, scatter, tables, sampler, sinks, |slot| {
-                account.drop_sample(Stage::Scatter.name(), job.sample_of(slot));
-            });
-            let cast = Tally::of(&shadows.view().bounces[..shadows.len()], 0);
-            let on = Tally::of(&scattered.view().bounces[..scattered.len()], 0);
-            account.book(
-                Stage::Scatter,
-                start,
-                &lists.scatter.tally,
-                &cast.clone().plus(&on),
-            );
+            for (&shader, list) in setup.shaders.iter().zip(&lists.scatter) {
+                if list.len() == 0 {
+                    continue;
+                }
+                let listed = list.of(at, hit);
+                let before = (out.path_len, out.shadow_len);
+                let mut start = Instant::now();
+                match surfaces {
+                    Some(surfaces) if shader != Shader::Plain => {
+                        surfaces.interact(listed, tables, sampler);
+                        start = account.book(Stage::Interact, start, &list.tally, &list.tally);
+                        if program.samples_lights() && !shader.is_delta() {
+                            surfaces.light_up(shader, tables);
+                            start = account.book(Stage::Light, start, &list.tally, &list.tally);
+                        }
+                        surfaces.respond(program, shader, listed, tables, &mut out);
+                    }
+                    _ => shade::plain(
+                        program,
+                        listed,
+                        tables,
+                        sampler,
+                        &mut out,
+                        samples,
+                        |slot| {
+                            account.drop_sample(Stage::Scatter(shader).name(), job.sample_of(slot));
+                        },
+                    ),
+                }
+                let made = Tally::of(&out.paths.bounces[before.0..out.path_len], 0).plus(
+                    &Tally::of(&out.shadows.bounces[before.1..out.shadow_len], 0),
+                );
+                account.book(Stage::Scatter(shader), start, &list.tally, &made);
+            }
+            let (on, cast) = (out.path_len, out.shadow_len);
+            scattered.set_len(on);
+            shadows.set_len(cast);
+            let cast = Tally::of(&shadows.view().bounces[..cast], 0);
+            let on = Tally::of(&scattered.view().bounces[..on], 0);
 
             self.rays += (paths.len() + shadows.len()) as u64;
             if shadows.len() > 0 {
                 let start = Instant::now();
-                intersect::occlude(geometry, shadows, occlusion, samples, |slot| {
-                    account.drop_sample(Stage::Occlude.name(), job.sample_of(slot));
-                });
+                let mut lost = Vec::new();
+                intersect::occlude(
+                    geometry,
+                    shadows,
+                    occlusion,
+                    samples,
+                    |slot| lost.push(slot),
+                    |slot| account.drop_sample(Stage::Occlude.name(), job.sample_of(slot)),
+                );
+                for slot in lost {
+                    account.lose_ray(Stage::Occlude.name(), job.sample_of(slot));
+                }
                 account.book(Stage::Occlude, start, &cast, &Tally::default());
             }
 

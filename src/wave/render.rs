@@ -5,6 +5,7 @@ use super::setup::Setup;
 use super::stats::RenderStats;
 use super::tables::SceneTables;
 use super::{Control, Wave, scheduler};
+use crate::effects::Effects;
 use crate::film::{Film, Job, SampleBuffer, filter};
 use crate::geometry::Geometry;
 use crate::reference::Reference;
@@ -35,14 +36,15 @@ pub fn render(
     } else {
         let tables = SceneTables::new(scene);
         let filter = filter::table(scene.film.filter);
-        let setup = Setup::new(scene, &tables, geometry, settings, &filter);
+        let effects = Effects::of(scene, settings);
+        let setup = Setup::new(scene, &effects, &tables, geometry, settings, &filter);
         accounts(
             scheduler::run(film, settings, control, || Wave::new(&setup)),
             |w| w.account,
         )
     };
     let (camera_rays, bounce_rays, shadow_rays) = account.rays();
-    let (stages, dropped) = account.report();
+    let [dropped, untraceable] = account.losses();
     RenderStats {
         seconds: start.elapsed().as_secs_f64(),
         threads,
@@ -52,8 +54,9 @@ pub fn render(
         shadow_rays,
         mean_depth: bounce_rays as f64 / camera_rays.max(1) as f64,
         stopped: control.stop.load(Ordering::Relaxed),
-        stages,
+        stages: account.report(),
         dropped,
+        untraceable,
     }
 }
 

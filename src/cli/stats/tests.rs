@@ -59,6 +59,11 @@ pub(crate) fn render() -> RenderStats {
             count: 2,
             examples: vec![(1, 2, 3)],
         }],
+        untraceable: vec![Dropped {
+            stage: "intersect",
+            count: 1,
+            examples: vec![(4, 5, 6)],
+        }],
     }
 }
 
