@@ -20,6 +20,7 @@ pub mod accuracy;
 pub mod estimate;
 pub mod film;
 pub mod geometry;
+pub mod processor;
 pub mod reference;
 pub mod scene;
 pub mod settings;

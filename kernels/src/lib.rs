@@ -37,6 +37,7 @@ pub mod slabs;
 pub mod soa;
 pub mod surface;
 pub mod tables;
+pub mod traffic;
 pub mod traverse;
 pub mod triangle;
 pub mod vec3;

@@ -9,7 +9,9 @@
 mod account;
 mod camera;
 mod control;
+mod counters;
 mod generate;
+mod instruments;
 mod intersect;
 mod queue;
 mod render;
@@ -24,14 +26,21 @@ mod tables;
 mod tally;
 
 pub use control::Control;
-pub use render::render;
+pub use counters::{COUNTERS, available as available_counters};
+pub use instruments::{Instruments, Slice, Timeline};
+pub use render::{render, render_with};
 pub use stats::{BounceStats, Dropped, RenderStats, StageStats};
 
 use crate::film::{Job, SampleBuffer};
 use account::{Account, Stage};
 use generate::Source;
 use huygens_kernels::compact::Kept;
+use huygens_kernels::emission::{SKY, SURFACE, UNOCCLUDED};
 use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
+use huygens_kernels::rays::{CLOSEST, OCCLUSION};
+use huygens_kernels::scatter::{SCATTER, SHADOW};
+use huygens_kernels::traffic::{Traffic, item};
+use huygens_kernels::{camera as camera_kernel, roulette as roulette_kernel};
 use queue::Queue;
 use setup::Setup;
 use sort::Lists;
@@ -54,7 +63,8 @@ struct Wave<'a> {
 }
 
 impl<'a> Wave<'a> {
-    fn new(setup: &'a Setup<'a>) -> Self {
+    /// For the calling thread, in a render that began at `epoch`.
+    fn new(setup: &'a Setup<'a>, instruments: &Instruments, epoch: Instant) -> Self {
         let capacity = setup.capacity;
         Self {
             setup,
@@ -65,7 +75,7 @@ impl<'a> Wave<'a> {
             shadows: Queue::new(capacity),
             occlusion: Queue::new(capacity),
             kept: Vec::with_capacity(capacity),
-            account: Account::new(),
+            account: Account::new(instruments, epoch),
             rays: 0,
         }
     }
@@ -97,12 +107,16 @@ impl scheduler::Worker for Wave<'_> {
         let mut source = Source::new(job);
         paths.set_len(0);
         loop {
-            let start = Instant::now();
             let new = source.refill(&setup.lens, sampler, paths);
             if new > 0 {
                 let mut out = Tally::default();
                 out.add(0, new);
-                account.book(Stage::Generate, start, &Tally::default(), &out);
+                account.book(
+                    Stage::Generate,
+                    &Tally::default(),
+                    &out,
+                    camera_kernel::TRAFFIC * new,
+                );
             }
             if paths.len() == 0 {
                 return true;
@@ -112,11 +126,14 @@ impl scheduler::Worker for Wave<'_> {
             }
 
             let under_way = Tally::of(&paths.view().bounces[..paths.len()], 0);
-            let start = Instant::now();
             intersect::intersect(geometry, paths, hits);
-            account.book(Stage::Intersect, start, &under_way, &under_way);
+            account.book(
+                Stage::Intersect,
+                &under_way,
+                &under_way,
+                CLOSEST * paths.len(),
+            );
 
-            let start = Instant::now();
             lists.sort(
                 paths.len(),
                 paths.view(),
@@ -125,18 +142,23 @@ impl scheduler::Worker for Wave<'_> {
                 &setup.emits,
                 setup.wanted,
             );
-            account.book(Stage::Sort, start, &under_way, &lists.tally());
+            let listed = lists.tally();
+            let traffic = sort::READ * paths.len() + sort::WRITTEN * listed.total();
+            account.book(Stage::Sort, &under_way, &listed, traffic);
 
             let (at, hit) = (paths.view(), hits.view());
             if lists.sky.len() > 0 {
-                let start = Instant::now();
                 shade::sky(program, lists.sky.of(at, hit), tables, samples, |slot| {
                     account.drop_sample(Stage::Sky.name(), job.sample_of(slot));
                 });
-                account.book(Stage::Sky, start, &lists.sky.tally, &Tally::default());
+                account.book(
+                    Stage::Sky,
+                    &lists.sky.tally,
+                    &Tally::default(),
+                    SKY * lists.sky.len(),
+                );
             }
             if lists.emission.len() > 0 {
-                let start = Instant::now();
                 shade::emission(
                     program,
                     lists.emission.of(at, hit),
@@ -148,12 +170,11 @@ impl scheduler::Worker for Wave<'_> {
                 );
                 account.book(
                     Stage::Emission,
-                    start,
                     &lists.emission.tally,
                     &Tally::default(),
+                    SURFACE * lists.emission.len(),
                 );
             }
-            let start = Instant::now();
             let scatter = lists.scatter.of(at, hit);
             let sinks = shade::Sinks {
                 scattered,
@@ -167,27 +188,33 @@ impl scheduler::Worker for Wave<'_> {
             let on = Tally::of(&scattered.view().bounces[..scattered.len()], 0);
             account.book(
                 Stage::Scatter,
-                start,
                 &lists.scatter.tally,
                 &cast.clone().plus(&on),
+                SCATTER * scattered.len() + SHADOW * shadows.len(),
             );
 
             self.rays += (paths.len() + shadows.len()) as u64;
             if shadows.len() > 0 {
-                let start = Instant::now();
                 intersect::occlude(geometry, shadows, occlusion, samples, |slot| {
                     account.drop_sample(Stage::Occlude.name(), job.sample_of(slot));
                 });
-                account.book(Stage::Occlude, start, &cast, &Tally::default());
+                account.book(
+                    Stage::Occlude,
+                    &cast,
+                    &Tally::default(),
+                    (OCCLUSION + UNOCCLUDED) * shadows.len(),
+                );
             }
 
-            let start = Instant::now();
             roulette::run(setup.rules, sampler, scattered, kept, paths, |slot| {
                 account.drop_sample(Stage::Roulette.name(), job.sample_of(slot));
             });
             if on.total() > 0 {
                 let survivors = Tally::of(&paths.view().bounces[..paths.len()], 0);
-                account.book(Stage::Roulette, start, &on, &survivors);
+                let moved = item::<PathsMut<'static>>();
+                let traffic = (roulette_kernel::TRAFFIC + Traffic::new(moved, 0)) * scattered.len()
+                    + Traffic::new(0, moved) * paths.len();
+                account.book(Stage::Roulette, &on, &survivors, traffic);
             }
         }
     }
@@ -196,9 +223,14 @@ impl scheduler::Worker for Wave<'_> {
         std::mem::take(&mut self.rays)
     }
 
-    fn left_out(&mut self, samples: &[(u32, u32, u32)]) {
-        for &at in samples {
+    fn committed(&mut self, samples: usize, left_out: &[(u32, u32, u32)]) {
+        for &at in left_out {
             self.account.drop_sample("film", at);
         }
+        let mut tally = Tally::default();
+        tally.add(0, samples);
+        let traffic = SampleBuffer::TRAFFIC * samples;
+        self.account
+            .book(Stage::Film, &tally, &Tally::default(), traffic);
     }
 }

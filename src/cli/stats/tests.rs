@@ -41,6 +41,8 @@ pub(crate) fn scene() -> Scene {
 pub(crate) fn render() -> RenderStats {
     RenderStats {
         seconds: 2.0,
+        cpu_seconds: Some(3.5),
+        worker_seconds: 3.75,
         threads: 2,
         samples: 12_800,
         camera_rays: 12_800,
@@ -58,6 +60,7 @@ pub(crate) fn render() -> RenderStats {
             count: 2,
             examples: vec![(1, 2, 3)],
         }],
+        timelines: Vec::new(),
     }
 }
 
