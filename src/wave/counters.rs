@@ -23,7 +23,6 @@ pub(crate) type Reading = [f64; COUNTERS.len()];
 pub(crate) use system::Counters;
 
 /// Which counters this thread may read: for each of [`COUNTERS`], nothing or why not.
-#[must_use]
 pub fn available() -> [Result<(), String>; COUNTERS.len()] {
     system::available()
 }
