@@ -39,6 +39,7 @@ pub mod soa;
 pub mod sphere;
 pub mod surface;
 pub mod tables;
+pub mod traffic;
 pub mod traverse;
 pub mod triangle;
 pub mod vec3;
