@@ -21,6 +21,7 @@ pub mod effects;
 pub mod estimate;
 pub mod film;
 pub mod geometry;
+pub mod processor;
 pub mod reference;
 pub mod scene;
 pub mod settings;

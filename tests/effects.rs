@@ -83,6 +83,7 @@ fn a_diffuse_box_runs_and_holds_nothing_else() {
         "shade: surface",
         "occlude",
         "roulette",
+        "film",
     ];
     assert_eq!(plan.stages, stages);
     assert_eq!(ran(&scene, &settings()), stages);

@@ -70,13 +70,17 @@ struct SettingsStats {
     tile: u32,
 }
 
-/// Wall-clock seconds of each phase.
+/// Wall-clock seconds of each phase, and what the render's went to.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(crate) struct Seconds {
     pub(crate) parse: f64,
     pub(crate) compile: f64,
     pub(crate) build: f64,
     pub(crate) render: f64,
+    /// Processor seconds of the render.
+    render_cpu: Option<f64>,
+    /// Seconds of all workers.
+    workers: f64,
     pub(crate) write: f64,
     pub(crate) total: f64,
 }
@@ -162,6 +166,8 @@ impl Stats {
             },
             seconds: Seconds {
                 render: render.seconds,
+                render_cpu: render.cpu_seconds,
+                workers: render.worker_seconds,
                 ..Seconds::default()
             },
             samples: Samples {

@@ -9,7 +9,9 @@
 mod account;
 mod camera;
 mod control;
+mod counters;
 mod generate;
+mod instruments;
 mod intersect;
 mod plan;
 mod queue;
@@ -20,30 +22,30 @@ mod scheduler;
 mod setup;
 mod shade;
 mod sort;
+mod stages;
 mod stats;
 mod surfaces;
 mod tables;
 mod tally;
 
 pub use control::Control;
+pub use counters::{COUNTERS, available as available_counters};
+pub use instruments::{Instruments, Slice, Timeline};
 pub use plan::{Plan, QueuePlan, plan};
-pub use render::render;
+pub use render::{render, render_with};
 pub use stats::{BounceStats, Dropped, RenderStats, StageStats};
 
-use crate::effects::Shader;
 use crate::film::{Job, SampleBuffer};
-use account::{Account, Stage};
+use account::Account;
 use generate::Source;
 use huygens_kernels::compact::Kept;
 use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
-use huygens_kernels::scatter::Out;
 use queue::Queue;
 use setup::Setup;
 use sort::Lists;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use surfaces::Surfaces;
-use tally::Tally;
 
 /// One worker's wave: its queues, allocated once.
 struct Wave<'a> {
@@ -62,7 +64,8 @@ struct Wave<'a> {
 }
 
 impl<'a> Wave<'a> {
-    fn new(setup: &'a Setup<'a>) -> Self {
+    /// For the calling thread, in a render that began at `epoch`.
+    fn new(setup: &'a Setup<'a>, instruments: &Instruments, epoch: Instant) -> Self {
         let capacity = setup.capacity;
         let shadows = if setup.casts_shadows() { capacity } else { 0 };
         Self {
@@ -75,7 +78,7 @@ impl<'a> Wave<'a> {
             shadows: Queue::new(shadows),
             occlusion: Queue::new(shadows),
             kept: Vec::with_capacity(capacity),
-            account: Account::new(),
+            account: Account::new(instruments, epoch),
             rays: 0,
         }
     }
@@ -97,160 +100,23 @@ impl<'a> Wave<'a> {
 impl scheduler::Worker for Wave<'_> {
     /// The loop. It runs while any path is under way; no stage knows which bounce it is at.
     fn trace(&mut self, job: &Job, samples: &mut SampleBuffer, stop: &AtomicBool) -> bool {
-        let Self {
-            setup,
-            paths,
-            hits,
-            lists,
-            surfaces,
-            scattered,
-            shadows,
-            occlusion,
-            kept,
-            account,
-            ..
-        } = self;
-        let Setup {
-            geometry,
-            tables,
-            sampler,
-            program,
-            ..
-        } = *setup;
-        let (sampler, program) = (*sampler, *program);
         let mut source = Source::new(job);
-        paths.set_len(0);
+        self.paths.set_len(0);
         loop {
-            let start = Instant::now();
-            let new = source.refill(&setup.lens, sampler, paths);
-            if new > 0 {
-                let mut out = Tally::default();
-                out.add(0, new);
-                account.book(Stage::Generate, start, &Tally::default(), &out);
-            }
-            if paths.len() == 0 {
+            self.generate(&mut source);
+            if self.paths.len() == 0 {
                 return true;
             }
             if stop.load(Ordering::Relaxed) {
                 return false;
             }
-
-            let under_way = Tally::of(&paths.view().bounces[..paths.len()], 0);
-            let start = Instant::now();
-            intersect::intersect(geometry, paths, hits, |slot| {
-                account.lose_ray(Stage::Intersect.name(), job.sample_of(slot));
-            });
-            account.book(Stage::Intersect, start, &under_way, &under_way);
-
-            let start = Instant::now();
-            lists.sort(
-                paths.len(),
-                paths.view(),
-                hits.view(),
-                tables.triangles.material,
-                &setup.routes,
-                setup.wanted,
-            );
-            account.book(Stage::Sort, start, &under_way, &lists.tally());
-
-            let (at, hit) = (paths.view(), hits.view());
-            if lists.sky.len() > 0 {
-                let start = Instant::now();
-                shade::sky(program, lists.sky.of(at, hit), tables, samples, |slot| {
-                    account.drop_sample(Stage::Sky.name(), job.sample_of(slot));
-                });
-                account.book(Stage::Sky, start, &lists.sky.tally, &Tally::default());
-            }
-            if lists.emission.len() > 0 {
-                let start = Instant::now();
-                shade::emission(
-                    program,
-                    lists.emission.of(at, hit),
-                    tables,
-                    samples,
-                    |slot| {
-                        account.drop_sample(Stage::Emission.name(), job.sample_of(slot));
-                    },
-                );
-                account.book(
-                    Stage::Emission,
-                    start,
-                    &lists.emission.tally,
-                    &Tally::default(),
-                );
-            }
-            let mut out = Out {
-                paths: scattered.view_mut(),
-                path_len: 0,
-                shadows: shadows.view_mut(),
-                shadow_len: 0,
-            };
-            for (&shader, list) in setup.shaders.iter().zip(&lists.scatter) {
-                if list.len() == 0 {
-                    continue;
-                }
-                let listed = list.of(at, hit);
-                let before = (out.path_len, out.shadow_len);
-                let mut start = Instant::now();
-                match surfaces {
-                    Some(surfaces) if shader != Shader::Plain => {
-                        surfaces.interact(listed, tables, sampler);
-                        start = account.book(Stage::Interact, start, &list.tally, &list.tally);
-                        if program.samples_lights() && !shader.is_delta() {
-                            surfaces.light_up(shader, tables);
-                            start = account.book(Stage::Light, start, &list.tally, &list.tally);
-                        }
-                        surfaces.respond(program, shader, listed, tables, &mut out);
-                    }
-                    _ => shade::plain(
-                        program,
-                        listed,
-                        tables,
-                        sampler,
-                        &mut out,
-                        samples,
-                        |slot| {
-                            account.drop_sample(Stage::Scatter(shader).name(), job.sample_of(slot));
-                        },
-                    ),
-                }
-                let made = Tally::of(&out.paths.bounces[before.0..out.path_len], 0).plus(
-                    &Tally::of(&out.shadows.bounces[before.1..out.shadow_len], 0),
-                );
-                account.book(Stage::Scatter(shader), start, &list.tally, &made);
-            }
-            let (on, cast) = (out.path_len, out.shadow_len);
-            scattered.set_len(on);
-            shadows.set_len(cast);
-            let cast = Tally::of(&shadows.view().bounces[..cast], 0);
-            let on = Tally::of(&scattered.view().bounces[..on], 0);
-
-            self.rays += (paths.len() + shadows.len()) as u64;
-            if shadows.len() > 0 {
-                let start = Instant::now();
-                let mut lost = Vec::new();
-                intersect::occlude(
-                    geometry,
-                    shadows,
-                    occlusion,
-                    samples,
-                    |slot| lost.push(slot),
-                    |slot| account.drop_sample(Stage::Occlude.name(), job.sample_of(slot)),
-                );
-                for slot in lost {
-                    account.lose_ray(Stage::Occlude.name(), job.sample_of(slot));
-                }
-                account.book(Stage::Occlude, start, &cast, &Tally::default());
-            }
-
-            let start = Instant::now();
-            roulette::run(setup.rules, sampler, scattered, kept, paths, |slot| {
-                account.drop_sample(Stage::Roulette.name(), job.sample_of(slot));
-            });
-            if on.total() > 0 {
-                let survivors = Tally::of(&paths.view().bounces[..paths.len()], 0);
-                account.book(Stage::Roulette, start, &on, &survivors);
-            }
+            self.intersect(job);
+            self.sort();
+            self.emit(job, samples);
+            self.scatter(job, samples);
+            self.rays += (self.paths.len() + self.shadows.len()) as u64;
+            self.occlude(job, samples);
+            self.roulette(job);
         }
     }
 
@@ -258,9 +124,7 @@ impl scheduler::Worker for Wave<'_> {
         std::mem::take(&mut self.rays)
     }
 
-    fn left_out(&mut self, samples: &[(u32, u32, u32)]) {
-        for &at in samples {
-            self.account.drop_sample("film", at);
-        }
+    fn committed(&mut self, samples: usize, left_out: &[(u32, u32, u32)]) {
+        self.commit(samples, left_out);
     }
 }

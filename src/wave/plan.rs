@@ -1,10 +1,10 @@
 //! What a wave is assembled of: its stages and queues, as they would be in a render.
 
-use super::Wave;
 use super::account::Stage;
 use super::queue::Queue;
 use super::setup::Setup;
 use super::tables::SceneTables;
+use super::{Instruments, Wave};
 use crate::effects::{Effect, Effects};
 use crate::film::filter;
 use crate::geometry::Geometry;
@@ -12,6 +12,7 @@ use crate::scene::Scene;
 use crate::settings::Settings;
 use huygens_kernels::soa::Layout;
 use serde::Serialize;
+use std::time::Instant;
 
 /// The wave of a render.
 #[derive(Clone, Debug, Serialize)]
@@ -45,7 +46,7 @@ pub fn plan(scene: &Scene, geometry: &Geometry, settings: &Settings) -> Plan {
     let tables = SceneTables::new(scene);
     let filter = filter::table(scene.film.filter);
     let setup = Setup::new(scene, &effects, &tables, geometry, settings, &filter);
-    let wave = Wave::new(&setup);
+    let wave = Wave::new(&setup, &Instruments::default(), Instant::now());
     Plan {
         stages: Stage::all()
             .filter(|&stage| setup.runs(stage))

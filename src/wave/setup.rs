@@ -91,15 +91,20 @@ impl Setup<'_> {
         let transport = self.program.is_transport();
         let mut elaborate = self.shaders.iter().filter(|&&s| s != Shader::Plain);
         match stage {
-            Stage::Generate | Stage::Intersect | Stage::Sort => true,
+            Stage::Generate | Stage::Intersect | Stage::Sort | Stage::Film => true,
             Stage::Sky => self.wanted.sky,
             Stage::Emission => self.wanted.emission,
             Stage::Interact => elaborate.next().is_some(),
-            Stage::Light => self.program.samples_lights() && elaborate.any(|s| !s.is_delta()),
+            Stage::Light => elaborate.any(|&s| self.lights(s)),
             Stage::Scatter(shader) => self.shaders.contains(&shader),
             Stage::Occlude => self.casts_shadows(),
             Stage::Roulette => transport,
         }
+    }
+
+    /// Whether lights are sampled at a shader's surfaces.
+    pub(crate) fn lights(&self, shader: Shader) -> bool {
+        self.program.samples_lights() && !shader.is_delta()
     }
 
     /// Whether there are occlusion rays.

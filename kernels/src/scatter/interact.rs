@@ -1,17 +1,25 @@
 //! From hits to surface interactions: the first of three passes over surfaces that are more than
 //! plain diffuse ones.
 //!
-//! Bytes an item: 76 of path and hit and up to 60 of geometry read; 64 of surface and 28 of numbers
-//! written.
+//! Bytes: [`INTERACT`].
 
 use super::draw;
 use crate::hemisphere::Frame;
 use crate::lanes::{Ux, as_bits, gather, gather_u32, store, store_u32};
-use crate::queues::{DrawnMut, Listed, SurfacesMut};
+use crate::queues::{DrawnMut, Listed, PathHitsMut, PathsMut, SurfacesMut};
 use crate::sampler::{Block, Sampler};
-use crate::surface::{Corners, clearance};
+use crate::surface::{self, Corners, clearance};
 use crate::tables::Tables;
+use crate::traffic::{Traffic, columns, item};
 use crate::vec3::Vec3x;
+
+/// Bytes a path: its place, direction and identity, hit and triangle read; a row written.
+pub const INTERACT: Traffic = Traffic::new(
+    4 + columns::<PathsMut<'static>>(&["direction", "slot", "pixel", "sample", "bounces"])
+        + item::<PathHitsMut<'static>>()
+        + surface::TRIANGLE_BYTES,
+    item::<SurfacesMut<'static>>() + item::<DrawnMut<'static>>(),
+);
 
 /// Writes what the listed paths met, and the numbers that they use there, row by row of the list.
 pub fn interact<S: Sampler>(

@@ -12,8 +12,7 @@
 //! lanes that can carry nothing more (a black surface) leave with throughput 0, which roulette ends.
 //! Occlusion rays that can carry nothing are not made.
 //!
-//! Bytes an item: 76 of path and hit and up to 60 of geometry and material read; 64 of path and up
-//! to 60 of occlusion ray written.
+//! Bytes: [`SCATTER`] a path, [`SHADOW`] an occlusion ray.
 
 use super::{Directions, NextEvent, Out, draw};
 use crate::compact::Kept;
@@ -21,11 +20,33 @@ use crate::hemisphere::to_world;
 use crate::lanes::{Fx, Ux, as_mask, store, store_u32};
 use crate::light::sample_light;
 use crate::math::INV_PI;
-use crate::queues::Listed;
+use crate::queues::{Listed, PathHitsMut, PathsMut, ShadowsMut};
 use crate::sampler::{Block, Sampler};
-use crate::surface::Surface;
+use crate::surface::{self, Surface};
 use crate::tables::Tables;
+use crate::traffic::{Traffic, columns, item};
 use crate::vec3::Vec3x;
+
+/// Bytes a scattered path: its place, direction, throughput and identity, hit, triangle and albedo
+/// read; the path written.
+pub const SCATTER: Traffic = Traffic::new(
+    4 + columns::<PathsMut<'static>>(&[
+        "direction",
+        "throughput",
+        "slot",
+        "pixel",
+        "sample",
+        "bounces",
+    ]) + item::<PathHitsMut<'static>>()
+        + surface::TRIANGLE_BYTES
+        + 12,
+    item::<PathsMut<'static>>(),
+);
+/// Bytes an occlusion ray: the light's entry (12), triangle and material (20) read; the ray written.
+pub const SHADOW: Traffic = Traffic::new(
+    12 + surface::TRIANGLE_BYTES + 20,
+    item::<ShadowsMut<'static>>(),
+);
 
 /// Scatters the listed paths behind the paths and occlusion rays that `out` already holds.
 pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(

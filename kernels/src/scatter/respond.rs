@@ -9,8 +9,7 @@
 //! A direction that lies on one side of the geometric surface and on the other of the shading normal's
 //! plane carries nothing: light neither leaks through nor is reflected into the surface.
 //!
-//! Bytes an item: 64 of surface, 28 of numbers, 68 of light, 32 of path and the BSDF's parameters read;
-//! 64 of path and up to 60 of occlusion ray written.
+//! Bytes: [`PATH`] a row, [`SHADOW`] an occlusion ray.
 
 use super::{NextEvent, Out};
 use crate::bsdf::Bsdf;
@@ -18,9 +17,23 @@ use crate::compact::Kept;
 use crate::hemisphere::Frame;
 use crate::lanes::{Fx, LANES, Mask, Ux, as_mask, first, load, load_u32, padded, store, store_u32};
 use crate::mis::power_heuristic;
-use crate::queues::{BOTH_SIDES, Drawn, Listed, Lit, Surfaces};
+use crate::queues::{
+    BOTH_SIDES, Drawn, DrawnMut, Listed, Lit, LitMut, PathsMut, ShadowsMut, Surfaces, SurfacesMut,
+};
 use crate::tables::{Materials, Parameters};
+use crate::traffic::{Traffic, columns, item};
 use crate::vec3::Vec3x;
+
+/// Bytes a row: surface, numbers, path and hit read; the scattered path written. The parameters of
+/// the scene's few materials stay in the first cache and are not counted.
+pub const PATH: Traffic = Traffic::new(
+    4 + item::<SurfacesMut<'static>>()
+        + columns::<DrawnMut<'static>>(&["direction"])
+        + columns::<PathsMut<'static>>(&["throughput", "slot", "pixel", "sample", "bounces"]),
+    item::<PathsMut<'static>>(),
+);
+/// Bytes an occlusion ray.
+pub const SHADOW: Traffic = Traffic::new(item::<LitMut<'static>>(), item::<ShadowsMut<'static>>());
 
 /// A kind of BSDF: how its parameters come out of the material tables.
 pub trait Kind {

@@ -42,6 +42,8 @@ pub(crate) fn scene() -> Scene {
 pub(crate) fn render() -> RenderStats {
     RenderStats {
         seconds: 2.0,
+        cpu_seconds: Some(3.5),
+        worker_seconds: 3.75,
         threads: 2,
         samples: 12_800,
         camera_rays: 12_800,
@@ -64,6 +66,7 @@ pub(crate) fn render() -> RenderStats {
             count: 1,
             examples: vec![(4, 5, 6)],
         }],
+        timelines: Vec::new(),
     }
 }
 
