@@ -19,9 +19,16 @@
 use crate::lanes::{Fx, Mask};
 use crate::vec3::Vec3x;
 
+mod conductor;
 mod diffuse;
+mod energy;
+pub mod fresnel;
+mod ggx;
 
+pub use conductor::{RoughConductor, SmoothConductor};
 pub use diffuse::{Lambert, RoughDiffuse};
+pub use energy::ReflectionEnergy;
+pub use ggx::ALPHA_FLOOR;
 
 /// The pdf of a direction out of a delta distribution: light sampling cannot find it, so the power
 /// heuristic gives it the weight 1, which it does with this number and no branch.

@@ -5,4 +5,7 @@
 mod common;
 mod harness;
 
+mod conductor;
 mod diffuse;
+mod fresnel;
+mod twin;
