@@ -3,9 +3,10 @@
 use super::{Channel, TexelFormat, Texture};
 
 impl Texture<'_> {
-    /// Texel number `index` of the level that begins at word `first`.
+    /// Texel number `index`, rows from the bottom up, of the level that begins at word `first`.
     #[inline(always)]
-    pub(super) fn texel(&self, first: u32, index: usize, channel: Channel) -> [f32; 3] {
+    #[must_use]
+    pub fn texel(&self, first: u32, index: usize, channel: Channel) -> [f32; 3] {
         let first = first as usize;
         let colour = &DECODE[usize::from(self.srgb)];
         match self.format {

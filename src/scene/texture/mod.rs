@@ -1,5 +1,12 @@
-//! Images that materials read.
+//! Images that materials read: what they are, and from files to texels with mip levels.
 
+mod decode;
+mod mip;
+mod store;
+
+pub(super) use store::{Request, Store, beside};
+
+use huygens_kernels::texture::Channel;
 pub use huygens_kernels::texture::{MipLevel, TexelFormat};
 
 /// The texels of one image file, with its mip levels.
@@ -15,6 +22,8 @@ pub struct Texture {
     pub levels: Vec<MipLevel>,
     /// All levels, rows from the bottom up.
     pub words: Vec<u32>,
+    /// The least and the greatest number in it, opacity apart; after the curve of sRGB.
+    pub range: [f32; 2],
 }
 
 impl Texture {
@@ -22,6 +31,14 @@ impl Texture {
     #[must_use]
     pub fn size(&self) -> [u32; 2] {
         self.levels[0].size
+    }
+
+    /// The mean colour of the whole image: its smallest mip level.
+    #[must_use]
+    pub fn mean(&self) -> [f32; 3] {
+        let last = self.levels[self.levels.len() - 1];
+        debug_assert_eq!(last.size, [1, 1]);
+        self.view().texel(last.first, 0, Channel::Colour)
     }
 
     /// As kernels read it.
