@@ -168,10 +168,6 @@ fn odd_but_right() {
             "colours and weights",
             "v 0 0 0 1 1 1\nv 1 0 0 0\nv 0 1 0 1 1\nf 1 2 3\n",
         ),
-        (
-            "bad texture index",
-            "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/7/-9 2/7 3//0\n",
-        ),
         ("blanks", "\tv   0 0\t0\nv 1 0 0 \n v 0 1 0\nf  1  2 3\t\n"),
         (
             "groups",
@@ -180,6 +176,9 @@ fn odd_but_right() {
     ] {
         assert_eq!(read(obj), (expected.clone(), Vec::new()), "{why}");
     }
+    let nothing = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/7/-9 2/7 3//0\n");
+    let warning = "a.obj: indices of no texture coordinates or normal: 2 left out";
+    assert_eq!(nothing, (expected.clone(), vec![warning.to_owned()]));
     let latin = read(b"# caf\xe9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     assert_eq!(latin, (expected, Vec::new()));
 }

@@ -135,8 +135,9 @@ impl Source {
 
     /// Vertices and triangles that the compiled scene will have, by the headers of its files and a
     /// look through those that have none, without keeping anything: exact, but for vertices that no
-    /// triangle uses and triangles of zero area, which loading leaves out, and for polygons of PLY
-    /// files with further lists, of which it is an upper bound.
+    /// triangle uses and triangles of zero area, which loading leaves out; for vertices that are split
+    /// where corners of an OBJ file disagree about normals or texture coordinates, which are not
+    /// foreseen; and for polygons of PLY files with further lists, of which it is an upper bound.
     ///
     /// # Errors
     /// A file that cannot be read, or a header that is wrong.

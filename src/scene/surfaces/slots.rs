@@ -98,6 +98,13 @@ fn value<'a, T: Largest>(
 }
 
 impl Material {
+    /// Whether it, or a part of it, reads textures. `materials` are those of the scene.
+    pub(in crate::scene) fn reads_textures(&self, materials: &[Self]) -> bool {
+        let part = |i: u32| materials[i as usize].reads_textures(materials);
+        !self.clone().textures_mut().is_empty()
+            || matches!(self.bsdf, Bsdf::Mix { first, second, .. } if part(first) || part(second))
+    }
+
     /// The places where it reads a texture.
     pub(in crate::scene) fn textures_mut(&mut self) -> Vec<Slot<'_>> {
         let mut all = Vec::new();
