@@ -10,8 +10,10 @@ use super::import::Imported;
 use super::load::GeometryFile;
 use super::material::Material;
 use super::shapes::Shapes;
+use super::surfaces::{Surfaces, bind};
+use super::texture::Store;
 use super::toml::SceneFile;
-use super::values::{NonNegative, OneOrThree, Unit};
+use super::values::{NonNegative, OneOrThree};
 use crate::settings::{Integrator, Settings};
 use glam::DAffine3;
 use std::path::Path;
@@ -33,10 +35,19 @@ pub(super) fn native(
     said: &Description,
     files: &[GeometryFile],
     imported: Vec<Imported>,
+    surfaces: Surfaces,
+    mut store: Store,
 ) -> Result<Scene, SceneError> {
     let path = &file.path;
     let film = film(Some(&said.film));
-    let mut shapes = Shapes::new(file, said, files, imported);
+    let Surfaces {
+        mut materials,
+        wanted,
+        mut warnings,
+    } = surfaces;
+    bind(file, &mut materials, &wanted, &mut store, &mut warnings)?;
+    let mut shapes = Shapes::new(file, &materials, files, imported);
+    shapes.warnings = warnings;
     for shape in &said.shapes {
         shapes.add(shape)?;
     }
@@ -57,7 +68,7 @@ pub(super) fn native(
         sky,
         settings: settings(&said.settings),
         materials: shapes.materials,
-        textures: Vec::new(),
+        textures: store.finish(),
         warnings: with_dropped(shapes.warnings, &shapes.builder),
         mesh: shapes.builder.mesh,
     }))
@@ -71,7 +82,11 @@ const SOFT_SKY: Sky = Sky {
 };
 
 /// Compiles a bare file of geometry: a camera that frames it, and a soft sky if it brings no light.
-pub(super) fn bare(path: &Path, imported: Vec<Imported>) -> Result<Scene, SceneError> {
+pub(super) fn bare(
+    path: &Path,
+    imported: Vec<Imported>,
+    store: Store,
+) -> Result<Scene, SceneError> {
     let mut builder = Builder::default();
     let (mut materials, mut warnings) = (Vec::new(), Vec::new());
     for mut imported in imported {
@@ -91,7 +106,7 @@ pub(super) fn bare(path: &Path, imported: Vec<Imported>) -> Result<Scene, SceneE
         sky: None,
         settings: Settings::default(),
         materials,
-        textures: Vec::new(),
+        textures: store.finish(),
         warnings: with_dropped(warnings, &builder),
         mesh: builder.mesh,
     };
@@ -173,19 +188,6 @@ fn settings(said: &description::Settings) -> Settings {
         bvh: said.bvh.unwrap_or(default.bvh),
         ..default
     }
-}
-
-/// The materials that a scene file names.
-pub(super) fn materials(said: &Description) -> Vec<Material> {
-    let material = |(name, m): (&String, &description::Material)| Material {
-        two_sided: m.two_sided,
-        ..Material::diffuse(name, reflectance(m.albedo), radiance(m.emission))
-    };
-    said.materials.iter().map(material).collect()
-}
-
-fn reflectance(colour: OneOrThree<Unit>) -> [f32; 3] {
-    colour.0.map(|c| c.0 as f32)
 }
 
 fn radiance(colour: OneOrThree<NonNegative>) -> [f32; 3] {

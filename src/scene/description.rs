@@ -3,9 +3,10 @@
 
 use super::compiled::Filter;
 use super::import::{Counts, Format};
+use super::surfaces::Material;
 use super::transform::Transform;
 use super::values::{
-    Count, FieldOfView, Finite, Natural, NonNegative, OneOrThree, Pixels, Positive, Radius, Unit,
+    Count, FieldOfView, Finite, Natural, NonNegative, OneOrThree, Pixels, Positive, Radius,
 };
 use crate::settings::{Integrator, Preset, Sampler, Strategy};
 use serde::Deserialize;
@@ -22,7 +23,7 @@ pub(super) struct Description {
     pub(super) film: Film,
     pub(super) settings: Settings,
     pub(super) sky: Option<Sky>,
-    pub(super) materials: BTreeMap<String, Material>,
+    pub(super) materials: BTreeMap<String, Spanned<Material>>,
     pub(super) shapes: Vec<Spanned<Shape>>,
 }
 
@@ -107,26 +108,6 @@ pub(super) struct Settings {
 pub(super) struct Sky {
     pub(super) radiance: OneOrThree<NonNegative>,
     pub(super) nadir: Option<OneOrThree<NonNegative>>,
-}
-
-/// `[materials.NAME]`
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-#[serde(expecting = "a table such as { albedo = 0.5 }")]
-pub(super) struct Material {
-    pub(super) albedo: OneOrThree<Unit>,
-    pub(super) emission: OneOrThree<NonNegative>,
-    pub(super) two_sided: bool,
-}
-
-impl Default for Material {
-    fn default() -> Self {
-        Self {
-            albedo: OneOrThree([Unit(0.5); 3]),
-            emission: OneOrThree([NonNegative(0.0); 3]),
-            two_sided: false,
-        }
-    }
 }
 
 /// `[[shapes]]`: exactly one of the first five, which `shapes` checks.
