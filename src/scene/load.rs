@@ -5,7 +5,9 @@ use super::compile;
 use super::compiled::{FilmSpec, Scene};
 use super::description::Description;
 use super::error::{SceneError, io_message};
+use super::import::panorama::{self, Pixels};
 use super::import::{Counts, Format, Imported};
+use super::lights;
 use super::shapes::Shapes;
 use super::toml::SceneFile;
 use rayon::prelude::*;
@@ -20,6 +22,8 @@ pub struct Source {
     pub(super) native: Option<(SceneFile, Description)>,
     /// Each once, in the order of their first mention.
     pub(super) files: Vec<GeometryFile>,
+    /// The sky's map, if it has one.
+    sky: Option<PathBuf>,
 }
 
 /// A file of geometry.
@@ -39,6 +43,7 @@ pub struct Parsed {
     source: Source,
     /// Of each of the source's files.
     imported: Vec<Imported>,
+    sky: Option<Pixels>,
 }
 
 impl Source {
@@ -60,6 +65,7 @@ impl Source {
             path: path.to_owned(),
             native: None,
             files: vec![file],
+            sky: None,
         })
     }
 
@@ -87,7 +93,9 @@ impl Source {
             }
         }
         compile::check(&file, &said)?;
+        let sky = lights::map_file(&file, &said)?;
         Ok(Self {
+            sky,
             path: path.to_owned(),
             native: Some((file, said)),
             files,
@@ -142,7 +150,9 @@ impl Source {
         let load = |file: &GeometryFile| file.format.load(&file.path, read);
         let loaded: Vec<Result<Imported, SceneError>> = self.files.par_iter().map(load).collect();
         let imported = loaded.into_iter().collect::<Result<_, _>>()?;
+        let sky = self.sky.as_deref().map(panorama::load).transpose()?;
         Ok(Parsed {
+            sky,
             source: self,
             imported,
         })
@@ -157,7 +167,9 @@ impl Parsed {
     /// vertex that its transformation takes out of range.
     pub fn compile(self) -> Result<Scene, SceneError> {
         match &self.source.native {
-            Some((file, said)) => compile::native(file, said, &self.source.files, self.imported),
+            Some((file, said)) => {
+                compile::native(file, said, &self.source.files, self.imported, self.sky)
+            }
             None => compile::bare(&self.source.path, self.imported),
         }
     }

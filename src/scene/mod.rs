@@ -8,11 +8,14 @@ mod builder;
 mod camera;
 mod compile;
 pub mod compiled;
+mod daylight;
 mod degrees;
 mod description;
 mod error;
 mod hash;
 mod import;
+mod light;
+mod lights;
 mod load;
 mod projection;
 mod shapes;
@@ -21,11 +24,11 @@ mod transform;
 mod triangulate;
 mod values;
 
-pub use compiled::{
-    Camera, Extent, FilmSpec, Filter, Lens, Material, Mesh, Projection, Scene, Sky,
-};
+pub use compiled::{Camera, Extent, FilmSpec, Filter, Lens, Material, Mesh, Projection, Scene};
 pub use error::SceneError;
 pub use import::Counts;
+pub(crate) use light::row_cosine;
+pub use light::{Environment, Light, LightKind, Sky, Spot};
 pub use load::{Parsed, Source};
 
 /// Loads and compiles the scene at `path`: a native `.toml` scene, or a bare `.obj` or `.ply`. All

@@ -9,8 +9,10 @@
 mod account;
 mod camera;
 mod control;
+mod environment;
 mod generate;
 mod intersect;
+mod lights;
 mod queue;
 mod render;
 mod roulette;

@@ -33,7 +33,7 @@ pub fn render(
         let run = || Oracle::new(&reference);
         accounts(scheduler::run(film, settings, control, run), |o| o.account)
     } else {
-        let tables = SceneTables::new(scene);
+        let tables = SceneTables::new(scene, settings.strategy.into());
         let filter = filter::table(scene.film.filter);
         let setup = Setup::new(scene, &tables, geometry, settings, &filter);
         accounts(

@@ -38,7 +38,7 @@ impl<'a> Setup<'a> {
         let program = Program::new(
             settings.integrator,
             settings.strategy,
-            scene_tables.has_lights(),
+            scene_tables.lights.any(),
             settings.ao_distance.unwrap_or(tenth),
         );
         let limit = if program.is_transport() {
@@ -46,7 +46,6 @@ impl<'a> Setup<'a> {
         } else {
             1
         };
-        let sky = scene.sky.is_some_and(|sky| sky.shines());
         Self {
             geometry,
             tables: scene_tables.view(scene),
@@ -62,7 +61,7 @@ impl<'a> Setup<'a> {
             },
             sampler: AnySampler::new(settings),
             program,
-            wanted: program.wanted(sky),
+            wanted: program.wanted(scene_tables.lights.any_beyond(scene)),
             rules: Rules {
                 random: settings.roulette,
                 limit,

@@ -83,7 +83,7 @@ mod tests {
     #[test]
     fn runs_cover_the_column_in_order_and_ignore_the_last_ray_mark() {
         let mut column = vec![5; 70];
-        column.extend([3, 3, 3 | LAST_RAY, 2]);
+        column.extend([3, 3, 3 | MARKS, 2]);
         column.extend([0; 33]);
         let mut runs = Vec::new();
         for_each_run(&column, |b, r| runs.push((b, r)));

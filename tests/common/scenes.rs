@@ -84,6 +84,7 @@ impl Builder {
             mesh: self.mesh,
             materials: self.materials,
             sky: None,
+            lights: Vec::new(),
             settings: Settings::default(),
             warnings: Vec::new(),
         }
