@@ -30,6 +30,7 @@ pub(crate) fn scene() -> Scene {
         mesh: Mesh::default(),
         materials: Vec::new(),
         sky: None,
+        lights: Vec::new(),
         settings: Settings {
             ao_distance: Some(2.5),
             ..Settings::default()
