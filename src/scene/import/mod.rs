@@ -2,6 +2,7 @@
 
 pub(super) mod mtl;
 mod obj;
+pub(super) mod panorama;
 mod piece;
 mod ply;
 mod statements;
