@@ -21,6 +21,7 @@ pub mod estimate;
 pub mod film;
 pub mod geometry;
 pub mod processor;
+pub mod profile;
 pub mod reference;
 pub mod scene;
 pub mod settings;

@@ -254,6 +254,7 @@ fn the_documentation_lists_exactly_the_options_there_are() {
         ("inspect", "--strict"),
         ("accuracy", "--budget"),
         ("diff", "--scale"),
+        ("profile", "--trace"),
     ] {
         let help = huygens(folder.path(), &[command, "--help"]).stdout;
         let help = String::from_utf8(help).expect("text");

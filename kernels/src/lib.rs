@@ -13,6 +13,7 @@ pub mod accumulate;
 pub mod bvh;
 pub mod camera;
 pub mod compact;
+pub mod cost;
 pub mod disk;
 pub mod emission;
 pub mod few;
@@ -37,8 +38,9 @@ pub mod slabs;
 pub mod soa;
 pub mod surface;
 pub mod tables;
-pub mod traffic;
+
 pub mod traverse;
 pub mod triangle;
 pub mod vec3;
 pub mod vector;
+pub mod visits;

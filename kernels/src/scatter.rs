@@ -12,9 +12,10 @@
 //! lanes that can carry nothing more (a black surface) leave with throughput 0, which roulette ends.
 //! Occlusion rays that can carry nothing are not made.
 //!
-//! Bytes: [`SCATTER`] a path, [`SHADOW`] an occlusion ray.
+//! Cost: [`SCATTER`] a path, [`SHADOW`] an occlusion ray.
 
 use crate::compact::Kept;
+use crate::cost::{Cost, columns, item};
 use crate::hemisphere::{UNIFORM_PDF, cosine_pdf, sample_cosine, sample_uniform, to_world};
 use crate::lanes::{Fx, Ux, as_mask, store, store_u32};
 use crate::light::sample_light;
@@ -25,12 +26,11 @@ use crate::rays::NO_PRIMITIVE;
 use crate::sampler::{Block, Sampler, block};
 use crate::surface::{self, Surface};
 use crate::tables::Tables;
-use crate::traffic::{Traffic, columns, item};
 use crate::vec3::Vec3x;
 
-/// Bytes a scattered path: its place, direction, throughput and identity, hit, triangle and albedo
+/// A scattered path: its place, direction, throughput and identity, hit, triangle and albedo
 /// read; the path written.
-pub const SCATTER: Traffic = Traffic::new(
+pub const SCATTER: Cost = Cost::new(
     4 + columns::<PathsMut<'static>>(&[
         "direction",
         "throughput",
@@ -42,9 +42,10 @@ pub const SCATTER: Traffic = Traffic::new(
         + surface::TRIANGLE_BYTES
         + 12,
     item::<PathsMut<'static>>(),
-);
-/// Bytes an occlusion ray: the light's entry (12), triangle and material (20) read; the ray written.
-pub const SHADOW: Traffic = Traffic::new(
+)
+.operations(surface::OPERATIONS + 90);
+/// An occlusion ray: the light's entry (12), triangle and material (20) read; the ray written.
+pub const SHADOW: Cost = Cost::new(
     12 + surface::TRIANGLE_BYTES + 20,
     item::<ShadowsMut<'static>>(),
 );

@@ -9,6 +9,7 @@ mod interrupt;
 mod load;
 mod memory;
 mod options;
+mod profile;
 mod progress;
 mod render;
 mod stats;
@@ -37,6 +38,7 @@ enum Command {
     Inspect(inspect::Args),
     Accuracy(accuracy::Args),
     Diff(diff::Args),
+    Profile(Box<profile::Args>),
 }
 
 /// Runs the command line of this process.
@@ -48,6 +50,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(args),
         Command::Accuracy(args) => accuracy::run(args),
         Command::Diff(args) => diff::run(args),
+        Command::Profile(args) => profile::run(args),
     };
     let result = std::panic::catch_unwind(run).unwrap_or_else(|_| Err(Failure::defect()));
     match result {

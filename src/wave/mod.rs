@@ -35,11 +35,11 @@ use crate::film::{Job, SampleBuffer};
 use account::{Account, Stage};
 use generate::Source;
 use huygens_kernels::compact::Kept;
+use huygens_kernels::cost::{Cost, item};
 use huygens_kernels::emission::{SKY, SURFACE, UNOCCLUDED};
 use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
 use huygens_kernels::rays::{CLOSEST, OCCLUSION};
 use huygens_kernels::scatter::{SCATTER, SHADOW};
-use huygens_kernels::traffic::{Traffic, item};
 use huygens_kernels::{camera as camera_kernel, roulette as roulette_kernel};
 use queue::Queue;
 use setup::Setup;
@@ -115,7 +115,7 @@ impl scheduler::Worker for Wave<'_> {
                     Stage::Generate,
                     &Tally::default(),
                     &out,
-                    camera_kernel::TRAFFIC * new,
+                    camera_kernel::COST * new,
                 );
             }
             if paths.len() == 0 {
@@ -143,8 +143,8 @@ impl scheduler::Worker for Wave<'_> {
                 setup.wanted,
             );
             let listed = lists.tally();
-            let traffic = sort::READ * paths.len() + sort::WRITTEN * listed.total();
-            account.book(Stage::Sort, &under_way, &listed, traffic);
+            let cost = sort::READ * paths.len() + sort::WRITTEN * listed.total();
+            account.book(Stage::Sort, &under_way, &listed, cost);
 
             let (at, hit) = (paths.view(), hits.view());
             if lists.sky.len() > 0 {
@@ -212,9 +212,9 @@ impl scheduler::Worker for Wave<'_> {
             if on.total() > 0 {
                 let survivors = Tally::of(&paths.view().bounces[..paths.len()], 0);
                 let moved = item::<PathsMut<'static>>();
-                let traffic = (roulette_kernel::TRAFFIC + Traffic::new(moved, 0)) * scattered.len()
-                    + Traffic::new(0, moved) * paths.len();
-                account.book(Stage::Roulette, &on, &survivors, traffic);
+                let cost = (roulette_kernel::COST + Cost::new(moved, 0)) * scattered.len()
+                    + Cost::new(0, moved) * paths.len();
+                account.book(Stage::Roulette, &on, &survivors, cost);
             }
         }
     }
@@ -229,8 +229,8 @@ impl scheduler::Worker for Wave<'_> {
         }
         let mut tally = Tally::default();
         tally.add(0, samples);
-        let traffic = SampleBuffer::TRAFFIC * samples;
+        let cost = SampleBuffer::COST * samples;
         self.account
-            .book(Stage::Film, &tally, &Tally::default(), traffic);
+            .book(Stage::Film, &tally, &Tally::default(), cost);
     }
 }
