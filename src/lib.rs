@@ -25,4 +25,5 @@ pub mod profile;
 pub mod reference;
 pub mod scene;
 pub mod settings;
+pub mod throughput;
 pub mod wave;

@@ -121,6 +121,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             .as_ref()
             .map_or(0, |_| args.trace_slices as usize),
         counters: available.iter().any(Result::is_ok),
+        processor_time: false,
     };
     let go = || render(&scene, &geometry, args.time, instruments);
     let (render, _) = progress.phase(&format!("render for {:?}", args.time), go);

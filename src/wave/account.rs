@@ -100,7 +100,8 @@ impl Account {
     pub(crate) fn book(&mut self, stage: Stage, items_in: &Tally, items_out: &Tally, cost: Cost) {
         let end = Instant::now();
         let start = std::mem::replace(&mut self.lap, end);
-        let seconds = (end - start).as_secs_f64();
+        let wall = (end - start).as_secs_f64();
+        let seconds = self.recorder.processor_seconds().unwrap_or(wall);
         let entry = &mut self.entries[stage as usize];
         let by = if items_in.total > 0 {
             items_in
