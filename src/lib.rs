@@ -17,6 +17,7 @@
 //! ```
 
 pub mod accuracy;
+pub mod effects;
 pub mod estimate;
 pub mod film;
 pub mod geometry;

@@ -9,7 +9,7 @@ use std::process::{Command, Output};
 fn bench(folder: &Path, args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_huygens"))
         .current_dir(folder)
-        .arg("bench")
+        .args(["bench", "--quick"])
         .args(args)
         .output()
         .expect("it starts")

@@ -7,7 +7,8 @@
 //! paths between perfectly white walls. Throughput that is 0 or not finite never survives.
 //!
 //! The maximum depth is a rule of this stage too: a path that has scattered `limit` times may follow
-//! its last ray to a light if that is of use, else it ends.
+//! its last ray to a light if that is of use, else it ends. A ray of infinite pdf always is: nothing
+//! else finds what it finds.
 //!
 //! Cost: [`COST`] a path, and that of moving the survivors.
 
@@ -15,7 +16,7 @@ use crate::accumulate::report;
 use crate::compact::Kept;
 use crate::cost::{Cost, columns};
 use crate::lanes::{Fx, LANES, Ux, as_bits, as_mask, first, load, load_u32, padded, store_u32};
-use crate::queues::{LAST_RAY, PathsMut};
+use crate::queues::{LAST_RAY, MARKS, PathsMut};
 use crate::sampler::{Block, Sampler, block};
 use crate::vec3::Vec3x;
 
@@ -31,9 +32,9 @@ pub const COST: Cost = Cost::new(
 pub struct Rules {
     /// Whether paths end at random.
     pub random: bool,
-    /// Scattering events after which a path ends, below 2^31.
+    /// Scattering events after which a path ends.
     pub limit: u32,
-    /// Whether the ray after the last scattering event is of use.
+    /// Whether the ray after the last scattering event is of use whatever its pdf.
     pub last_ray: bool,
 }
 
@@ -67,15 +68,16 @@ pub fn roulette<S: Sampler>(
             &mut dropped,
         );
         let mut survives = busy & finite & largest.simd_gt(Fx::ZERO);
-        let bounces = load_u32(paths.bounces, i);
+        let marked = load_u32(paths.bounces, i);
+        let bounces = marked & Ux::splat(!MARKS);
         let limit = Ux::splat(rules.limit);
-        if rules.last_ray {
-            // Not `>=`: a path marked before has ended by now.
-            let last = as_mask(bounces.simd_eq(limit));
-            let mark = as_bits(last) & Ux::splat(LAST_RAY);
-            store_u32(paths.bounces, i, bounces | mark);
-        } else {
-            survives &= as_mask(bounces.simd_lt(limit));
+        // Not `>=`: a path marked before has ended by now.
+        let last = as_mask(bounces.simd_eq(limit));
+        let mark = as_bits(last) & Ux::splat(LAST_RAY);
+        store_u32(paths.bounces, i, marked | mark);
+        if !rules.last_ray {
+            let alone = load(paths.pdf, i).simd_eq(Fx::splat(f32::INFINITY));
+            survives &= alone | as_mask(bounces.simd_lt(limit));
         }
         if rules.random {
             // The block of the vertex that was just left.

@@ -33,6 +33,10 @@ pub(crate) struct Args {
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1000))]
     runs: u32,
 
+    /// An eighth of the samples: for a first look
+    #[arg(long)]
+    quick: bool,
+
     /// Worker threads, 0 to 1024 (0: one for each core); several, as 1,2,4, for a sweep
     #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "0")]
     #[arg(value_parser = clap::value_parser!(u16).range(0..=1024), allow_negative_numbers = true)]
@@ -89,7 +93,11 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             .as_ref()
             .is_none_or(|f| s.name.contains(f.as_str()))
     };
-    let suite: Vec<&Standard> = SUITE.iter().filter(chosen).collect();
+    let suite = SUITE.iter().filter(chosen).map(|s| Standard {
+        spp: if args.quick { s.spp.div_ceil(8) } else { s.spp },
+        ..*s
+    });
+    let suite: Vec<Standard> = suite.collect();
     if suite.is_empty() {
         let names: Vec<&str> = SUITE.iter().map(|s| s.name).collect();
         return Err(Failure::input(format!(
@@ -119,7 +127,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 
 /// Runs the suite for each number of threads and of paths: rounds outside, so that whatever disturbs
 /// the machine for a while disturbs all alike.
-fn measure(args: &Args, suite: &[&Standard]) -> Result<Vec<Report>, Failure> {
+fn measure(args: &Args, suite: &[Standard]) -> Result<Vec<Report>, Failure> {
     let mut reports: Vec<Report> = args
         .threads
         .iter()
@@ -130,7 +138,7 @@ fn measure(args: &Args, suite: &[&Standard]) -> Result<Vec<Report>, Failure> {
     let scenes = scenes.map_err(Failure::Other)?;
     for report in &mut reports {
         let scene = |(standard, prepared)| SceneReport::new(standard, prepared);
-        report.scenes = suite.iter().copied().zip(&scenes).map(scene).collect();
+        report.scenes = suite.iter().zip(&scenes).map(scene).collect();
     }
     for round in 0..=args.runs {
         for (i, scene) in scenes.iter().enumerate() {
@@ -186,6 +194,9 @@ fn once(args: &Args, program: &Path, file: &Path) -> Result<(), Failure> {
     command.args(["--threads", &args.threads[0].to_string()]);
     command.args(["--wave", &args.wave[0].to_string()]);
     command.arg("--save").arg(file);
+    if args.quick {
+        command.arg("--quick");
+    }
     if let Some(filter) = &args.filter {
         command.args(["--filter", filter]);
     }

@@ -105,7 +105,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         ensure_writable(path)?;
     }
     let progress = Progress::new(false);
-    let mut scene = load(&args.scene, args.image.size, progress)?.scene;
+    let mut scene = load(&args.scene, args.image.size, args.work.bvh, progress)?.scene;
     args.image.apply(&mut scene);
     args.work.apply(&mut scene.settings);
     let mut warnings = scene.warnings.clone();

@@ -32,6 +32,7 @@ pub(crate) struct Stats {
     pub(crate) peak_memory_bytes: Option<u64>,
     pub(crate) interrupted: bool,
     pub(crate) dropped: DroppedStats,
+    pub(crate) untraceable: DroppedStats,
     warnings: Vec<String>,
     pub(crate) outputs: Vec<String>,
     pub(crate) stages: Vec<StageStats>,
@@ -106,6 +107,15 @@ pub(crate) struct DroppedStats {
     pub(crate) stages: Vec<Dropped>,
 }
 
+impl DroppedStats {
+    fn new(stages: Vec<Dropped>) -> Self {
+        Self {
+            total: stages.iter().map(|d| d.count).sum(),
+            stages,
+        }
+    }
+}
+
 impl Stats {
     /// The numbers of `render`, a render of `scene` from `file`; what follows it is still empty.
     pub(crate) fn new(
@@ -176,10 +186,8 @@ impl Stats {
             threads: render.threads,
             peak_memory_bytes: None,
             interrupted: render.stopped,
-            dropped: DroppedStats {
-                total: render.dropped.iter().map(|d| d.count).sum(),
-                stages: render.dropped,
-            },
+            dropped: DroppedStats::new(render.dropped),
+            untraceable: DroppedStats::new(render.untraceable),
             warnings: warnings.to_vec(),
             outputs: Vec::new(),
             stages: render.stages,

@@ -36,7 +36,8 @@ pub struct Row {
     pub bytes: f64,
     /// Those bytes over the time, in GB (10^9) a second.
     pub gigabytes_per_second: f64,
-    /// `f32` operations an item, as declared; null for traversal in a build that counts no visits.
+    /// `f32` operations an item, as declared; null where none are, as for traversal in a build that
+    /// counts no visits.
     pub operations: Option<f64>,
     /// Those operations over the time, in 10^9 a second.
     pub gigaoperations_per_second: Option<f64>,
@@ -67,7 +68,7 @@ impl Row {
         };
         let bytes = (stage.bytes_read + stage.bytes_written) as f64;
         let traversal = matches!(stage.name, "intersect" | "occlude");
-        let known = !traversal || stage.nodes_visited.is_some();
+        let known = stage.operations > 0 && (!traversal || stage.nodes_visited.is_some());
         let operations = known.then_some(stage.operations as f64);
         let count = |n: Option<u64>| n.filter(|_| traversal).map(|n| each(n as f64));
         let counted = stage.counted.iter().flat_map(|counted| {
@@ -144,8 +145,9 @@ mod tests {
         };
         assert_eq!(Row::new(&stage, 1.0, [false; 8]).operations, None);
         (stage.nodes_visited, stage.triangles_visited) = (Some(50), Some(20));
+        stage.operations = 8000;
         let row = Row::new(&stage, 1.0, [false; 8]);
         assert_eq!((row.nodes, row.triangles), (Some(5.0), Some(2.0)));
-        assert_eq!(row.operations, Some(0.0));
+        assert_eq!(row.operations, Some(800.0));
     }
 }

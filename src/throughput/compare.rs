@@ -171,12 +171,15 @@ mod tests {
 
     #[test]
     fn one_program_against_itself_shows_no_difference() {
-        for seed in 0..100 {
+        let differs = |seed: &u64| {
             let (old, new) = (runs(2 * seed, 0.1, 1.0), runs(2 * seed + 1, 0.1, 1.0));
-            for c in compare(&[("a", &old, &new)], TURNS_FLOOR) {
-                assert_eq!(c.verdict, Verdict::NoDifference, "{seed}: {c:?}");
-            }
-        }
+            let found = compare(&[("a", &old, &new)], 0.0);
+            found.iter().any(|c| c.verdict != Verdict::NoDifference)
+        };
+        // At a significance of 1% more than 5 of 100 would be a chance of 1 in 1,900; and not all
+        // noise may be called none.
+        let wrong = (0..100).filter(differs).count();
+        assert!((1..=5).contains(&wrong), "{wrong}");
     }
 
     #[test]

@@ -8,6 +8,7 @@ use super::counters::Reading;
 use super::instruments::{Instruments, Recorder, Timeline};
 use super::stats::{BounceStats, Dropped, StageStats};
 use super::tally::{ROWS, Tally};
+use crate::effects::Shader;
 use huygens_kernels::cost::Cost;
 use huygens_kernels::lanes::padded;
 use huygens_kernels::visits::{self, NODE_OPERATIONS, TRIANGLE_OPERATIONS, Visits};
@@ -21,24 +22,51 @@ pub(crate) enum Stage {
     Sort,
     Sky,
     Emission,
-    Scatter,
+    Interact,
+    Light,
+    Scatter(Shader),
     Occlude,
     Roulette,
     Film,
 }
 
 impl Stage {
-    const ALL: [Self; 9] = [
-        Self::Generate,
-        Self::Intersect,
-        Self::Sort,
-        Self::Sky,
-        Self::Emission,
-        Self::Scatter,
-        Self::Occlude,
-        Self::Roulette,
-        Self::Film,
-    ];
+    const COUNT: usize = 10 + Shader::ALL.len();
+
+    /// All stages.
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        let before = [
+            Self::Generate,
+            Self::Intersect,
+            Self::Sort,
+            Self::Sky,
+            Self::Emission,
+            Self::Interact,
+            Self::Light,
+        ];
+        let shaders = Shader::ALL.into_iter().map(Self::Scatter);
+        before
+            .into_iter()
+            .chain(shaders)
+            .chain([Self::Occlude, Self::Roulette, Self::Film])
+    }
+
+    /// Its place among [`Stage::all`].
+    fn index(self) -> usize {
+        match self {
+            Self::Generate => 0,
+            Self::Intersect => 1,
+            Self::Sort => 2,
+            Self::Sky => 3,
+            Self::Emission => 4,
+            Self::Interact => 5,
+            Self::Light => 6,
+            Self::Scatter(shader) => 7 + shader as usize,
+            Self::Occlude => Self::COUNT - 3,
+            Self::Roulette => Self::COUNT - 2,
+            Self::Film => Self::COUNT - 1,
+        }
+    }
 
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -47,7 +75,11 @@ impl Stage {
             Self::Sort => "sort",
             Self::Sky => "shade: sky",
             Self::Emission => "shade: emission",
-            Self::Scatter => "shade: surface",
+            Self::Interact => "interact",
+            Self::Light => "sample lights",
+            Self::Scatter(Shader::Plain) => "shade: surface",
+            Self::Scatter(Shader::Diffuse) => "shade: diffuse",
+            Self::Scatter(Shader::RoughDiffuse) => "shade: rough diffuse",
             Self::Occlude => "occlude",
             Self::Roulette => "roulette",
             Self::Film => "film",
@@ -80,6 +112,7 @@ impl Default for Rows {
 pub(crate) struct Account {
     entries: Vec<Entry>,
     dropped: Vec<Dropped>,
+    untraceable: Vec<Dropped>,
     lap: Instant,
     recorder: Recorder,
 }
@@ -88,8 +121,9 @@ impl Account {
     /// For the calling thread, in a render that began at `epoch`. The first lap begins now.
     pub(crate) fn new(instruments: &Instruments, epoch: Instant) -> Self {
         Self {
-            entries: vec![Entry::default(); Stage::ALL.len()],
+            entries: vec![Entry::default(); Stage::COUNT],
             dropped: Vec::new(),
+            untraceable: Vec::new(),
             lap: Instant::now(),
             recorder: Recorder::new(instruments, epoch),
         }
@@ -102,7 +136,7 @@ impl Account {
         let start = std::mem::replace(&mut self.lap, end);
         let wall = (end - start).as_secs_f64();
         let seconds = self.recorder.processor_seconds().unwrap_or(wall);
-        let entry = &mut self.entries[stage as usize];
+        let entry = &mut self.entries[stage.index()];
         let by = if items_in.total > 0 {
             items_in
         } else {
@@ -140,6 +174,11 @@ impl Account {
         book_drop(&mut self.dropped, stage, 1, &[at]);
     }
 
+    /// Books a ray that could not be traced.
+    pub(crate) fn lose_ray(&mut self, stage: &'static str, at: (u32, u32, u32)) {
+        book_drop(&mut self.untraceable, stage, 1, &[at]);
+    }
+
     /// Adds another worker's accounting.
     pub(crate) fn merge(&mut self, other: &Self) {
         for (a, b) in self.entries.iter_mut().zip(&other.entries) {
@@ -162,22 +201,27 @@ impl Account {
         for d in &other.dropped {
             book_drop(&mut self.dropped, d.stage, d.count, &d.examples);
         }
+        for d in &other.untraceable {
+            book_drop(&mut self.untraceable, d.stage, d.count, &d.examples);
+        }
     }
 
     /// Closest-hit rays by bounce 0 and later, and occlusion rays.
     pub(crate) fn rays(&self) -> (u64, u64, u64) {
-        let rows = |s: Stage| &self.entries[s as usize].rows.0;
+        let rows = |s: Stage| &self.entries[s.index()].rows.0;
         let after: u64 = rows(Stage::Intersect)[1..].iter().map(|r| r.items_in).sum();
         let shadow = rows(Stage::Occlude).iter().map(|r| r.items_in).sum();
         (rows(Stage::Intersect)[0].items_in, after, shadow)
     }
 
-    /// Stages that ran, and what was dropped.
-    pub(crate) fn report(&self) -> (Vec<StageStats>, Vec<Dropped>) {
-        let stages = Stage::ALL
-            .iter()
-            .zip(&self.entries)
-            .filter(|(_, e)| e.calls > 0);
+    /// Values that were dropped, and rays that could not be traced.
+    pub(crate) fn losses(&self) -> [Vec<Dropped>; 2] {
+        [self.dropped.clone(), self.untraceable.clone()]
+    }
+
+    /// Stages that ran.
+    pub(crate) fn report(&self) -> Vec<StageStats> {
+        let stages = Stage::all().zip(&self.entries).filter(|(_, e)| e.calls > 0);
         let stages = stages.map(|(stage, e)| {
             let depth = e.rows.0.iter().rposition(|r| *r != BounceStats::default());
             let sum = |f: fn(&BounceStats) -> u64| e.rows.0.iter().map(f).sum();
@@ -198,7 +242,7 @@ impl Account {
                 counted: e.counted,
             }
         });
-        (stages.collect(), self.dropped.clone())
+        stages.collect()
     }
 }
 
@@ -239,11 +283,17 @@ mod tests {
     use super::*;
 
     #[test]
+    fn every_stage_has_its_place() {
+        let places: Vec<usize> = Stage::all().map(Stage::index).collect();
+        assert_eq!(places, (0..Stage::COUNT).collect::<Vec<_>>());
+    }
+
+    #[test]
     fn apportioned_seconds_add_up() {
         let mut account = Account::new(&Instruments::default(), Instant::now());
         let tally = Tally::of(&[2, 2, 1, 0, 0, 0, 0], 0);
         account.book(Stage::Intersect, &tally, &tally, Cost::new(3, 4) * 7);
-        let (stages, _) = account.report();
+        let stages = account.report();
         assert_eq!((stages[0].bytes_read, stages[0].bytes_written), (21, 28));
         let parts: f64 = stages[0].bounces.iter().map(|b| b.seconds).sum();
         // Three additions and products of numbers of one sign.

@@ -6,6 +6,7 @@ use super::setup::Setup;
 use super::stats::RenderStats;
 use super::tables::SceneTables;
 use super::{Control, Wave, scheduler};
+use crate::effects::Effects;
 use crate::film::{Film, Job, SampleBuffer, filter};
 use crate::geometry::Geometry;
 use crate::processor::cpu_seconds;
@@ -60,13 +61,14 @@ pub fn render_with(
     } else {
         let tables = SceneTables::new(scene);
         let filter = filter::table(scene.film.filter);
-        let setup = Setup::new(scene, &tables, geometry, settings, &filter);
+        let effects = Effects::of(scene, settings);
+        let setup = Setup::new(scene, &effects, &tables, geometry, settings, &filter);
         let worker = || Wave::new(&setup, instruments, start);
         let workers = scheduler::run(film, settings, control, worker);
         Accounts::new(workers.into_iter().map(|(w, s)| (w.account, s)), start)
     };
     let (camera_rays, bounce_rays, shadow_rays) = all.sum.rays();
-    let (stages, dropped) = all.sum.report();
+    let [dropped, untraceable] = all.sum.losses();
     RenderStats {
         seconds: start.elapsed().as_secs_f64(),
         cpu_seconds: cpu.zip(cpu_seconds()).map(|(from, to)| to - from),
@@ -78,8 +80,9 @@ pub fn render_with(
         shadow_rays,
         mean_depth: bounce_rays as f64 / camera_rays.max(1) as f64,
         stopped: control.stop.load(Ordering::Relaxed),
-        stages,
+        stages: all.sum.report(),
         dropped,
+        untraceable,
         timelines: all.timelines,
     }
 }

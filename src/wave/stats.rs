@@ -31,6 +31,9 @@ pub struct RenderStats {
     pub stages: Vec<StageStats>,
     /// Contributions or samples left out because they were not finite, by stage.
     pub dropped: Vec<Dropped>,
+    /// Rays that could not be traced, and what they carried with them, by stage: a component of
+    /// theirs was not finite, or they had no direction.
+    pub untraceable: Vec<Dropped>,
     /// What each worker did, call by call, where that was asked for.
     #[serde(skip)]
     pub timelines: Vec<Timeline>,
@@ -142,7 +145,7 @@ pub struct BounceStats {
     pub seconds: f64,
 }
 
-/// A value that was not finite and was left out.
+/// A value that was not finite and was left out, or a ray that could not be traced.
 #[derive(Clone, Debug, Serialize)]
 pub struct Dropped {
     /// The stage that met it.

@@ -138,7 +138,7 @@ fn fill<P: Projection, S: Sampler>(
         origin.store(&mut paths.origin, to);
         direction.store(&mut paths.direction, to);
         Vec3x::splat([1.0; 3]).store(&mut paths.throughput, to);
-        store(paths.pdf, to, Fx::ONE);
+        store(paths.pdf, to, Fx::splat(f32::INFINITY));
         store_u32(paths.leaves, to, Ux::splat(NO_PRIMITIVE));
         store_u32(paths.slot, to, iota(slot + i as u32));
         store_u32(paths.pixel, to, name);

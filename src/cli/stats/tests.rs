@@ -29,6 +29,7 @@ pub(crate) fn scene() -> Scene {
         },
         mesh: Mesh::default(),
         materials: Vec::new(),
+        textures: Vec::new(),
         sky: None,
         settings: Settings {
             ao_distance: Some(2.5),
@@ -59,6 +60,11 @@ pub(crate) fn render() -> RenderStats {
             stage: "film",
             count: 2,
             examples: vec![(1, 2, 3)],
+        }],
+        untraceable: vec![Dropped {
+            stage: "intersect",
+            count: 1,
+            examples: vec![(4, 5, 6)],
         }],
         timelines: Vec::new(),
     }
