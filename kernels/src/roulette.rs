@@ -10,21 +10,22 @@
 //! its last ray to a light if that is of use, else it ends. A ray of infinite pdf always is: nothing
 //! else finds what it finds.
 //!
-//! Bytes: [`TRAFFIC`] a path, and those of moving the survivors.
+//! Cost: [`COST`] a path, and that of moving the survivors.
 
 use crate::accumulate::report;
 use crate::compact::Kept;
+use crate::cost::{Cost, columns};
 use crate::lanes::{Fx, LANES, Ux, as_bits, as_mask, first, load, load_u32, padded, store_u32};
 use crate::queues::{LAST_RAY, MARKS, PathsMut};
 use crate::sampler::{Block, Sampler, block};
-use crate::traffic::{Traffic, columns};
 use crate::vec3::Vec3x;
 
-/// Bytes a path.
-pub const TRAFFIC: Traffic = Traffic::new(
+/// A path.
+pub const COST: Cost = Cost::new(
     columns::<PathsMut<'static>>(&["throughput", "pixel", "sample", "bounces"]),
     columns::<PathsMut<'static>>(&["throughput", "bounces"]),
-);
+)
+.operations(12);
 
 /// The rules of the stage.
 #[derive(Clone, Copy, Debug)]
