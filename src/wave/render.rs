@@ -34,8 +34,8 @@ pub fn render(
         accounts(scheduler::run(film, settings, control, run), |o| o.account)
     } else {
         let tables = SceneTables::new(scene);
-        let filter = filter::table(scene.film.filter);
-        let setup = Setup::new(scene, &tables, geometry, settings, &filter);
+        let filter = filter::shared_table(scene.film.filter);
+        let setup = Setup::new(scene, &tables, geometry, settings, filter);
         accounts(
             scheduler::run(film, settings, control, || Wave::new(&setup)),
             |w| w.account,

@@ -98,7 +98,7 @@ pub(crate) fn run<W: Worker>(
         let _guard = StopOnPanic(&control.stop);
         let mut worker = worker();
         let mut samples = SampleBuffer::new(jobs.slots());
-        while !control.stop.load(Ordering::Relaxed) {
+        while !control.stops() {
             let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) else {
                 break;
             };
