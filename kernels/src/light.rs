@@ -12,12 +12,18 @@
 //! angle times `r^2 / cos_l`; see [`area_to_solid_angle`]. The two functions of that pdf that
 //! next-event estimation and emission need are therefore one and the same.
 //!
-//! *Sky*: uniform over the hemisphere of the surface, `selection / (2 pi)` in solid angle.
+//! *Sky*: uniform over the hemisphere of the surface, `selection / (2 pi)` in solid angle; over the
+//! whole sphere, `selection / (4 pi)`, where light passes through the surface.
+//!
+//! *Delta lights* have no pdf in solid angle: [`LightSample::delta`] marks them, and what stands for
+//! the pdf is the probability of their selection. No path finds them.
 
-use crate::hemisphere::{UNIFORM_PDF, sample_uniform, to_world};
+use crate::hemisphere::{sample_sides, to_world, uniform_pdf};
 use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask, gather, gather_u32, to_f32, to_u32};
+use crate::mis::power_heuristic;
+use crate::queues::{BOTH_SIDES, Paths};
 use crate::rays::NO_PRIMITIVE;
-use crate::surface::{Corners, spawn};
+use crate::surface::{Anchor, Corners, spawn};
 use crate::tables::{Lights, Tables};
 use crate::vec3::Vec3x;
 
@@ -53,7 +59,9 @@ pub fn select_light(keep: &[f32], alias: &[u32], u0: Fx, u1: Fx) -> Ux {
 /// One sample of the light around each of `LANES` surfaces.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
-    /// From the surface's `origin` to the light: the whole way for triangles (`t_max` 1), a unit
+    /// Where the occlusion ray starts: off the surface, on the light's side if light passes through.
+    pub origin: Vec3x,
+    /// From `origin` to the light: the whole way for triangles (`t_max` 1), a unit
     /// vector for the sky (`t_max` infinite).
     pub segment: Vec3x,
     /// Ray parameter of the light along `segment`.
@@ -64,25 +72,84 @@ pub struct LightSample {
     pub direction: Vec3x,
     /// Radiance emitted towards the surface.
     pub radiance: Vec3x,
-    /// Pdf of `direction` in solid angle, selection included. Positive and finite where `valid`.
+    /// Pdf of `direction` in solid angle, selection included; of delta lights, the probability of
+    /// selection. Positive and finite where `valid`.
     pub pdf: Fx,
+    /// Where the light is one that only this sample can find.
+    pub delta: Mask,
     /// Where the sample can carry light at all.
     pub valid: Mask,
 }
 
-/// Samples a light for surfaces at `origin` with unit `normal`. At least one light must exist.
+impl LightSample {
+    /// The weight of the sample where the surface would have scattered into its direction with pdf
+    /// `scattered`, in solid angle.
+    #[inline(always)]
+    #[must_use]
+    pub fn weight(&self, scattered: Fx) -> Fx {
+        let shared = power_heuristic(self.pdf, scattered);
+        self.delta.select(Fx::ONE, shared)
+    }
+}
+
+/// Rays that found light, and the surfaces that they left.
+#[derive(Clone, Copy, Debug)]
+pub struct Departure {
+    /// Where the rays started.
+    pub origin: Vec3x,
+    /// Their unit directions.
+    pub direction: Vec3x,
+    /// The triangles that they left, or `NO_PRIMITIVE`.
+    pub leaves: Ux,
+    /// Where light from both sides counted there.
+    pub both_sides: Mask,
+}
+
+impl Departure {
+    /// That of the paths at places `at` of their queue.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(paths: &Paths, at: Ux) -> Self {
+        let marks = gather_u32(paths.bounces, at);
+        Self {
+            origin: Vec3x::gather_columns(paths.origin, at),
+            direction: Vec3x::gather_columns(paths.direction, at),
+            leaves: gather_u32(paths.leaves, at),
+            both_sides: as_mask((marks & Ux::splat(BOTH_SIDES)).simd_eq(Ux::splat(BOTH_SIDES))),
+        }
+    }
+}
+
+/// The pdf in solid angle, selection included, with which [`sample_light`] would have found what
+/// rays found on triangles of `material`, at distance `t` under `cos_l` at the light.
 #[inline(always)]
 #[must_use]
-pub fn sample_light(tables: &Tables, origin: Vec3x, normal: Vec3x, u: [Fx; 4]) -> LightSample {
+pub fn triangle_pdf(tables: &Tables, _from: &Departure, material: Ux, t: Fx, cos_l: Fx) -> Fx {
+    let area_pdf = gather(tables.materials.area_pdf, material);
+    area_to_solid_angle(area_pdf, t * t, cos_l)
+}
+
+/// The same for rays that left the scene.
+#[inline(always)]
+#[must_use]
+pub fn sky_pdf(tables: &Tables, from: &Departure) -> Fx {
+    Fx::splat(tables.lights.sky_selection) * uniform_pdf(from.both_sides)
+}
+
+/// Samples a light for the surfaces `anchor`. At least one light must exist. A sample may lie below
+/// the surface; that no light passes there is for the BSDF to say.
+#[inline(always)]
+#[must_use]
+pub fn sample_light(tables: &Tables, anchor: &Anchor, u: [Fx; 4]) -> LightSample {
     let lights = &tables.lights;
     let light = select_light(lights.keep, lights.alias, u[0], u[1]);
     let primitive = gather_u32(lights.primitive, light);
     let is_sky = as_mask(primitive.simd_eq(Ux::splat(NO_PRIMITIVE)));
     let sky_lanes = is_sky.to_bitmask();
     if sky_lanes == 0 {
-        return sample_triangle(tables, origin, primitive, u[2], u[3]);
+        return sample_triangle(tables, anchor, primitive, u[2], u[3]);
     }
-    let sky = sample_sky(tables, normal, u[2], u[3]);
+    let sky = sample_sky(tables, anchor, u[2], u[3]);
     if sky_lanes == (1 << LANES) - 1 {
         return sky;
     }
@@ -90,28 +157,31 @@ pub fn sample_light(tables: &Tables, origin: Vec3x, normal: Vec3x, u: [Fx; 4]) -
     let some = Ux::splat(lights.primitive[0]);
     let triangle = sample_triangle(
         tables,
-        origin,
+        anchor,
         as_bits(is_sky).select(some, primitive),
         u[2],
         u[3],
     );
     LightSample {
+        origin: Vec3x::select(is_sky, sky.origin, triangle.origin),
         segment: Vec3x::select(is_sky, sky.segment, triangle.segment),
         t_max: is_sky.select(sky.t_max, triangle.t_max),
         primitive,
         direction: Vec3x::select(is_sky, sky.direction, triangle.direction),
         radiance: Vec3x::select(is_sky, sky.radiance, triangle.radiance),
         pdf: is_sky.select(sky.pdf, triangle.pdf),
+        delta: sky.delta,
         valid: is_sky.select(sky.valid, triangle.valid),
     }
 }
 
 #[inline(always)]
-fn sample_triangle(tables: &Tables, origin: Vec3x, primitive: Ux, u: Fx, v: Fx) -> LightSample {
+fn sample_triangle(tables: &Tables, anchor: &Anchor, primitive: Ux, u: Fx, v: Fx) -> LightSample {
     let corners = Corners::gather(&tables.triangles, primitive);
     let root = u.sqrt();
     let (p, s) = corners.point(Fx::ONE - root, v * root);
     let front_normal = corners.unit_normal();
+    let origin = anchor.start(p - anchor.point);
     // The side that faces the surface, decided from the point itself; the segment ends just above
     // it.
     let towards = p - origin;
@@ -127,27 +197,31 @@ fn sample_triangle(tables: &Tables, origin: Vec3x, primitive: Ux, u: Fx, v: Fx) 
     let pdf = area_to_solid_angle(gather(materials.area_pdf, material), r2, cos_l);
     let valid = emits & cos_l.simd_gt(Fx::ZERO) & pdf.simd_gt(Fx::ZERO) & pdf.is_finite();
     LightSample {
+        origin,
         segment,
         t_max: Fx::ONE,
         primitive,
         direction,
         radiance: Vec3x::gather_columns(materials.emission, material),
         pdf,
+        delta: Fx::ZERO,
         valid,
     }
 }
 
 #[inline(always)]
-fn sample_sky(tables: &Tables, normal: Vec3x, u: Fx, v: Fx) -> LightSample {
-    let direction = to_world(normal, sample_uniform(u, v));
+fn sample_sky(tables: &Tables, anchor: &Anchor, u: Fx, v: Fx) -> LightSample {
+    let direction = to_world(anchor.normal, sample_sides(u, v, anchor.both_sides));
     let lights = &tables.lights;
     LightSample {
+        origin: anchor.start(direction),
         segment: direction,
         t_max: Fx::splat(f32::INFINITY),
         primitive: Ux::splat(NO_PRIMITIVE),
         direction,
         radiance: sky_radiance(lights, direction),
-        pdf: Fx::splat(lights.sky_selection * UNIFORM_PDF),
-        valid: normal.dot(direction).simd_gt(Fx::ZERO),
+        pdf: Fx::splat(lights.sky_selection) * uniform_pdf(anchor.both_sides),
+        delta: Fx::ZERO,
+        valid: anchor.both_sides | anchor.normal.dot(direction).simd_gt(Fx::ZERO),
     }
 }

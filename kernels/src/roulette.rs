@@ -8,14 +8,24 @@
 //! not finite never survives.
 //!
 //! The maximum depth is a rule of this stage too: a path that has scattered `limit` times may follow
-//! its last ray to a light if that is of use, else it ends.
+//! its last ray to a light if that is of use, else it ends. A ray of infinite pdf always is: nothing
+//! else finds what it finds.
+//!
+//! Bytes: [`TRAFFIC`] a path, and those of moving the survivors.
 
 use crate::accumulate::report;
 use crate::compact::Kept;
 use crate::lanes::{Fx, LANES, Ux, as_bits, as_mask, first, load, load_u32, padded, store_u32};
-use crate::queues::{LAST_RAY, PathsMut};
+use crate::queues::{LAST_RAY, MARKS, PathsMut};
 use crate::sampler::{Block, Sampler, block};
+use crate::traffic::{Traffic, columns};
 use crate::vec3::Vec3x;
+
+/// Bytes a path.
+pub const TRAFFIC: Traffic = Traffic::new(
+    columns::<PathsMut<'static>>(&["throughput", "pixel", "sample", "bounces"]),
+    columns::<PathsMut<'static>>(&["throughput", "bounces"]),
+);
 
 /// The rules of the stage.
 #[derive(Clone, Copy, Debug)]
@@ -24,9 +34,9 @@ pub struct Rules {
     pub random: bool,
     /// Survival probability over throughput, positive: [`SURVIVAL_GAIN`] as a rule.
     pub gain: f32,
-    /// Scattering events after which a path ends, below 2^31.
+    /// Scattering events after which a path ends.
     pub limit: u32,
-    /// Whether the ray after the last scattering event is of use.
+    /// Whether the ray after the last scattering event is of use whatever its pdf.
     pub last_ray: bool,
 }
 
@@ -60,15 +70,16 @@ pub fn roulette<S: Sampler>(
             &mut dropped,
         );
         let mut survives = busy & finite & largest.simd_gt(Fx::ZERO);
-        let bounces = load_u32(paths.bounces, i);
+        let marked = load_u32(paths.bounces, i);
+        let bounces = marked & Ux::splat(!MARKS);
         let limit = Ux::splat(rules.limit);
-        if rules.last_ray {
-            // Not `>=`: a path marked before has ended by now.
-            let last = as_mask(bounces.simd_eq(limit));
-            let mark = as_bits(last) & Ux::splat(LAST_RAY);
-            store_u32(paths.bounces, i, bounces | mark);
-        } else {
-            survives &= as_mask(bounces.simd_lt(limit));
+        // Not `>=`: a path marked before has ended by now.
+        let last = as_mask(bounces.simd_eq(limit));
+        let mark = as_bits(last) & Ux::splat(LAST_RAY);
+        store_u32(paths.bounces, i, marked | mark);
+        if !rules.last_ray {
+            let alone = load(paths.pdf, i).simd_eq(Fx::splat(f32::INFINITY));
+            survives &= alone | as_mask(bounces.simd_lt(limit));
         }
         if rules.random {
             // The block of the vertex that was just left.

@@ -8,6 +8,7 @@ use huygens_kernels::lanes::{Fx, LANES};
 use huygens_kernels::light::{LightSample, sample_light, select_light};
 use huygens_kernels::mis::power_heuristic;
 use huygens_kernels::rays::NO_PRIMITIVE;
+use huygens_kernels::surface::Anchor;
 use huygens_kernels::tables::{Lights, Materials, Tables, Triangles};
 use huygens_kernels::vec3::Vec3x;
 use proptest::prelude::*;
@@ -35,6 +36,16 @@ const SKY_POWER: f64 = 8.0;
 
 fn corners(triangle: usize) -> [[f64; 3]; 3] {
     INDICES[triangle].map(|v| VERTICES[v as usize].map(f64::from))
+}
+
+/// A surface at `point` that faces up and lets nothing through.
+fn anchor(point: [f32; 3]) -> Anchor {
+    Anchor {
+        point: Vec3x::splat(point),
+        normal: Vec3x::splat([0.0, 1.0, 0.0]),
+        clearance: Fx::ZERO,
+        both_sides: Fx::ZERO,
+    }
 }
 
 fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
@@ -100,6 +111,7 @@ impl Scene {
             },
             materials: Materials {
                 albedo,
+                parameters: [&[0.0; 2]; huygens_kernels::tables::SLOTS],
                 emission: [&[1.0, 2.0], &[3.0, 4.0], &[5.0, 6.0]],
                 two_sided: &[0, u32::MAX],
                 area_pdf: &self.area_pdf,
@@ -113,9 +125,8 @@ impl Scene {
                 sky_selection: self.sky_selection,
             },
         };
-        let up = Vec3x::splat([0.0, 1.0, 0.0]);
         let u = std::array::from_fn(|_| source.unit_lanes());
-        sample_light(&tables, Vec3x::splat([0.0; 3]), up, u)
+        sample_light(&tables, &anchor([0.0; 3]), u)
     }
 }
 
@@ -313,6 +324,7 @@ fn a_back_that_does_not_emit_is_no_valid_sample() {
     let mut source = Source(9);
     let materials = Materials {
         albedo: [&[0.5; 2]; 3],
+        parameters: [&[0.0; 2]; huygens_kernels::tables::SLOTS],
         emission: [&[1.0; 2]; 3],
         two_sided: &[0, 0],
         area_pdf: &scene.area_pdf,
@@ -334,14 +346,62 @@ fn a_back_that_does_not_emit_is_no_valid_sample() {
         },
     };
     let u = std::array::from_fn(|_| source.unit_lanes());
-    let up = Vec3x::splat([0.0, 1.0, 0.0]);
-    assert!(
-        sample_light(&tables, Vec3x::splat([0.0; 3]), up, u)
-            .valid
-            .none()
-    );
-    let behind = Vec3x::splat([-9.0, 2.0, 2.0]);
-    assert!(sample_light(&tables, behind, up, u).valid.all());
+    assert!(sample_light(&tables, &anchor([0.0; 3]), u).valid.none());
+    let behind = anchor([-9.0, 2.0, 2.0]);
+    assert!(sample_light(&tables, &behind, u).valid.all());
+}
+
+#[test]
+fn where_light_passes_through_the_sky_is_sampled_all_around_and_rays_start_on_its_side() {
+    const DRAWS: usize = 1 << 18;
+    const BANDS: usize = 64;
+    let tables = Tables {
+        triangles: Triangles {
+            vertices: &VERTICES,
+            indices: &INDICES,
+            material: &MATERIAL,
+        },
+        materials: Materials {
+            albedo: [&[0.5; 2]; 3],
+            emission: [&[1.0; 2]; 3],
+            two_sided: &[u32::MAX; 2],
+            area_pdf: &[0.0; 2],
+        },
+        lights: Lights {
+            keep: &[1.0],
+            alias: &[0],
+            primitive: &[NO_PRIMITIVE],
+            zenith: [1.0; 3],
+            nadir: [1.0; 3],
+            sky_selection: 0.5,
+        },
+    };
+    let anchor = Anchor {
+        clearance: Fx::splat(0.25),
+        both_sides: Fx::ZERO.simd_eq(Fx::ZERO),
+        ..anchor([0.0; 3])
+    };
+    let mut source = Source(11);
+    let mut bands = [0u64; BANDS];
+    for _ in 0..DRAWS / LANES {
+        let u = std::array::from_fn(|_| source.unit_lanes());
+        let drawn = sample_light(&tables, &anchor, u);
+        assert!(drawn.valid.all());
+        for lane in 0..LANES {
+            let y = drawn.direction.lane(lane)[1];
+            // The height of a uniform direction is uniform (Archimedes).
+            let band = ((f64::from(y) + 1.0) * 0.5 * BANDS as f64) as usize;
+            bands[band.min(BANDS - 1)] += 1;
+            let start = if y < 0.0 { -0.25 } else { 0.25 };
+            assert_eq!(drawn.origin.lane(lane), [0.0, start, 0.0]);
+            let pdf = f64::from(drawn.pdf.as_array()[lane]);
+            let twin = 0.5 / (4.0 * std::f64::consts::PI);
+            assert!((pdf / twin - 1.0).abs() < 4.0 * ROUNDING);
+        }
+    }
+    let mut suite = Suite::default();
+    suite.test_uniform("heights", &bands);
+    suite.finish();
 }
 
 proptest! {

@@ -2,12 +2,13 @@
 
 use super::builder::Builder;
 use super::camera;
-use super::compiled::{FilmSpec, Material, Scene, Sky};
+use super::compiled::{FilmSpec, Scene, Sky};
 use super::description::{self, Description};
 use super::error::SceneError;
 use super::hash;
 use super::import::Imported;
 use super::load::GeometryFile;
+use super::material::Material;
 use super::shapes::Shapes;
 use super::toml::SceneFile;
 use super::values::{NonNegative, OneOrThree, Unit};
@@ -56,6 +57,7 @@ pub(super) fn native(
         sky,
         settings: settings(&said.settings),
         materials: shapes.materials,
+        textures: Vec::new(),
         warnings: with_dropped(shapes.warnings, &shapes.builder),
         mesh: shapes.builder.mesh,
     }))
@@ -89,6 +91,7 @@ pub(super) fn bare(path: &Path, imported: Vec<Imported>) -> Result<Scene, SceneE
         sky: None,
         settings: Settings::default(),
         materials,
+        textures: Vec::new(),
         warnings: with_dropped(warnings, &builder),
         mesh: builder.mesh,
     };
@@ -175,10 +178,8 @@ fn settings(said: &description::Settings) -> Settings {
 /// The materials that a scene file names.
 pub(super) fn materials(said: &Description) -> Vec<Material> {
     let material = |(name, m): (&String, &description::Material)| Material {
-        name: name.clone(),
-        albedo: reflectance(m.albedo),
-        emission: radiance(m.emission),
         two_sided: m.two_sided,
+        ..Material::diffuse(name, reflectance(m.albedo), radiance(m.emission))
     };
     said.materials.iter().map(material).collect()
 }

@@ -14,19 +14,21 @@ mod error;
 mod hash;
 mod import;
 mod load;
+pub mod material;
 mod projection;
 mod shapes;
+pub mod texture;
 mod toml;
 mod transform;
 mod triangulate;
 mod values;
 
-pub use compiled::{
-    Camera, Extent, FilmSpec, Filter, Lens, Material, Mesh, Projection, Scene, Sky,
-};
+pub use compiled::{Camera, Extent, FilmSpec, Filter, Lens, Mesh, Projection, Scene, Sky};
 pub use error::SceneError;
 pub use import::Counts;
 pub use load::{Parsed, Source};
+pub use material::{Bsdf, Material, Textured};
+pub use texture::Texture;
 
 /// Loads and compiles the scene at `path`: a native `.toml` scene, or a bare `.obj` or `.ply`. All
 /// steps of [`Source`] at once.

@@ -6,16 +6,17 @@
 //! Which kernels run is settled once a render, in [`Program`]: a strategy or an integrator is a
 //! choice of kernels, not a branch inside them.
 
-use super::queue::Queue;
 use super::sampling::{AnySampler, with_sampler};
 use super::sort::Wanted;
+use crate::effects::Effects;
 use crate::film::SampleBuffer;
 use crate::settings::{Integrator, Strategy};
 use huygens_kernels::emission::{sky_emission, surface_emission};
 use huygens_kernels::look::{Look, look};
-use huygens_kernels::queues::{Listed, PathsMut, ShadowsMut};
+use huygens_kernels::queues::Listed;
+use huygens_kernels::scatter::ambient::ambient;
+use huygens_kernels::scatter::plain::scatter;
 use huygens_kernels::scatter::{Cosine, LightsAlone, LightsWeighted, NoLights, Out, Uniform};
-use huygens_kernels::scatter::{ambient, scatter};
 use huygens_kernels::tables::Tables;
 
 /// What a render does at surfaces.
@@ -62,9 +63,14 @@ impl Program {
         }
     }
 
-    /// Whether a ray that scatters no more can still find light.
+    /// Whether a ray that scatters no more can still find light that counts, whatever its pdf.
     pub(crate) fn last_ray_is_of_use(self) -> bool {
         matches!(self, Self::Uniform | Self::Cosine | Self::Mis)
+    }
+
+    /// Whether next-event estimation is in use.
+    pub(crate) fn samples_lights(self) -> bool {
+        matches!(self, Self::Light | Self::Mis)
     }
 
     /// Whether surfaces are looked at whatever the maximum depth.
@@ -73,17 +79,16 @@ impl Program {
     }
 
     /// Which lists the sort stage fills.
-    pub(crate) fn wanted(self, sky: bool) -> Wanted {
+    pub(crate) fn wanted(self, effects: &Effects) -> Wanted {
         let transport = self.is_transport();
         Wanted {
             // Where nothing is, nothing occludes.
-            sky: if transport {
-                sky
-            } else {
-                matches!(self, Self::Ambient { .. })
+            sky: match self {
+                Self::Ambient { .. } => true,
+                _ => transport && effects.sky,
             },
-            emission: transport,
-            camera_only: self == Self::Light,
+            emission: transport && effects.emission,
+            unsampled_only: self == Self::Light,
         }
     }
 }
@@ -118,63 +123,37 @@ pub(crate) fn emission(
     }
 }
 
-/// Where surfaces send what they are given.
-pub(crate) struct Sinks<'a> {
-    pub(crate) scattered: &'a mut Queue<PathsMut<'static>>,
-    pub(crate) shadows: &'a mut Queue<ShadowsMut<'static>>,
-    pub(crate) samples: &'a mut SampleBuffer,
-}
-
-/// Scatters the listed paths at their surfaces, into emptied queues.
-pub(crate) fn surface(
+/// Scatters the listed plain surfaces behind what `out` already holds; light of quick looks goes to
+/// `samples`.
+pub(crate) fn plain(
     program: Program,
     listed: Listed,
     tables: &Tables,
     sampler: AnySampler,
-    into: Sinks<'_>,
+    out: &mut Out,
+    samples: &mut SampleBuffer,
     dropped: impl FnMut(u32),
 ) {
-    let Sinks {
-        scattered,
-        shadows,
-        samples,
-    } = into;
-    let out = Out {
-        paths: scattered.view_mut(),
-        shadows: shadows.view_mut(),
-        shadow_len: 0,
-    };
-    let (paths, occlusion_rays) = match program {
-        Program::Uniform => (
-            listed.len,
-            with_sampler!(sampler, s => scatter::<Uniform, NoLights, _>(listed, tables, s, out)),
-        ),
-        Program::Cosine => (
-            listed.len,
-            with_sampler!(sampler, s => scatter::<Cosine, NoLights, _>(listed, tables, s, out)),
-        ),
-        Program::Light => (
-            listed.len,
-            with_sampler!(sampler, s => scatter::<Cosine, LightsAlone, _>(listed, tables, s, out)),
-        ),
-        Program::Mis => (
-            listed.len,
-            with_sampler!(sampler, s => scatter::<Cosine, LightsWeighted, _>(listed, tables, s, out)),
-        ),
+    match program {
+        Program::Uniform => {
+            with_sampler!(sampler, s => scatter::<Uniform, NoLights, _>(listed, tables, s, out));
+        }
+        Program::Cosine => {
+            with_sampler!(sampler, s => scatter::<Cosine, NoLights, _>(listed, tables, s, out));
+        }
+        Program::Light => {
+            with_sampler!(sampler, s => scatter::<Cosine, LightsAlone, _>(listed, tables, s, out));
+        }
+        Program::Mis => {
+            with_sampler!(sampler, s => scatter::<Cosine, LightsWeighted, _>(listed, tables, s, out));
+        }
         Program::Ambient { distance, uniform } => {
-            let shadows = out.shadows;
-            let made = if uniform {
-                with_sampler!(sampler, s => ambient::<Uniform, _>(listed, tables, s, distance, shadows))
+            if uniform {
+                with_sampler!(sampler, s => ambient::<Uniform, _>(listed, tables, s, distance, out));
             } else {
-                with_sampler!(sampler, s => ambient::<Cosine, _>(listed, tables, s, distance, shadows))
-            };
-            (0, made)
+                with_sampler!(sampler, s => ambient::<Cosine, _>(listed, tables, s, distance, out));
+            }
         }
-        Program::Look(what) => {
-            look(what, listed, tables, &mut samples.columns(), dropped);
-            (0, 0)
-        }
-    };
-    scattered.set_len(paths);
-    shadows.set_len(occlusion_rays);
+        Program::Look(what) => look(what, listed, tables, &mut samples.columns(), dropped),
+    }
 }

@@ -1,13 +1,14 @@
 //! From a compiled scene to the tables that kernels read.
 
-use crate::scene::{Mesh, Scene, Sky};
+use crate::scene::{Bsdf, Material, Mesh, Scene, Sky};
 use huygens_kernels::rays::NO_PRIMITIVE;
-use huygens_kernels::tables::{Lights, Materials, Tables, Triangles};
+use huygens_kernels::tables::{Lights, Materials, SLOTS, Tables, Triangles};
 
 /// Material and light columns, and what selects a light.
 #[derive(Debug, Default)]
 pub(crate) struct SceneTables {
     albedo: [Vec<f32>; 3],
+    parameters: [Vec<f32>; SLOTS],
     emission: [Vec<f32>; 3],
     two_sided: Vec<u32>,
     area_pdf: Vec<f32>,
@@ -24,9 +25,13 @@ impl SceneTables {
     pub(crate) fn new(scene: &Scene) -> Self {
         let mut tables = Self::default();
         for m in &scene.materials {
+            let albedo = m.albedo(&scene.materials);
             for c in 0..3 {
-                tables.albedo[c].push(m.albedo[c]);
-                tables.emission[c].push(m.emission[c]);
+                tables.albedo[c].push(albedo[c]);
+                tables.emission[c].push(m.emission.factor[c]);
+            }
+            for (column, value) in tables.parameters.iter_mut().zip(parameters(m)) {
+                column.push(value);
             }
             tables
                 .two_sided
@@ -35,7 +40,9 @@ impl SceneTables {
         let exitance: Vec<f64> = scene
             .materials
             .iter()
-            .map(|m| luminance(m.emission) * std::f64::consts::PI * (1.0 + f64::from(m.two_sided)))
+            .map(|m| {
+                luminance(m.emission.factor) * std::f64::consts::PI * (1.0 + f64::from(m.two_sided))
+            })
             .collect();
         let mut powers = Vec::new();
         for (i, &m) in scene.mesh.material.iter().enumerate() {
@@ -76,6 +83,7 @@ impl SceneTables {
             },
             materials: Materials {
                 albedo: columns(&self.albedo),
+                parameters: self.parameters.each_ref().map(|column| &column[..]),
                 emission: columns(&self.emission),
                 two_sided: &self.two_sided,
                 area_pdf: &self.area_pdf,
@@ -90,6 +98,21 @@ impl SceneTables {
             },
         }
     }
+}
+
+/// The parameters of a material's BSDF, in the slots where its kernel looks for them
+/// (`huygens_kernels::scatter::kinds`).
+fn parameters(material: &Material) -> [f32; SLOTS] {
+    let mut slots = [0.0; SLOTS];
+    if let Bsdf::Diffuse {
+        reflectance,
+        roughness,
+    } = &material.bsdf
+    {
+        slots[..3].copy_from_slice(&reflectance.factor);
+        slots[3] = *roughness;
+    }
+    slots
 }
 
 /// `a / total`, 0 where there is no total.

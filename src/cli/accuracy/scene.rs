@@ -62,7 +62,7 @@ pub(super) fn run(args: &Args, path: &Path) -> Result<(), Failure> {
         strict: args.scene.strict,
         max_memory: args.scene.max_memory,
     };
-    let loaded = pool.install(|| load(&options, args.image.size, progress))?;
+    let loaded = pool.install(|| load(&options, args.image.size, args.work.bvh, progress))?;
     let mut scene = loaded.scene;
     let image = ImageOptions {
         size: Some(size(args, &scene.film)?),
