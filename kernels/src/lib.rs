@@ -43,7 +43,6 @@ pub mod sphere;
 pub mod surface;
 pub mod tables;
 pub mod texture;
-pub mod traffic;
 pub mod traverse;
 pub mod triangle;
 pub mod vec3;
