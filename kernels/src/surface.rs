@@ -22,6 +22,8 @@ use crate::vec3::Vec3x;
 
 /// Bytes that an interaction gathers of a triangle: three indices, three vertices, the material.
 pub const TRIANGLE_BYTES: usize = 12 + 36 + 4;
+/// Operations of an interaction: edges, point and its bound, normal and its side, spawned origin.
+pub const OPERATIONS: u64 = 90;
 
 const EPSILON: f32 = 1.0 / 16_777_216.0;
 

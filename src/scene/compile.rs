@@ -2,11 +2,14 @@
 
 use super::builder::Builder;
 use super::camera;
-use super::compiled::{FilmSpec, Scene, Sky};
+use super::compiled::{FilmSpec, Scene};
 use super::description::{self, Description};
 use super::error::SceneError;
 use super::hash;
 use super::import::Imported;
+use super::import::panorama::Pixels;
+use super::light::Sky;
+use super::lights;
 use super::load::GeometryFile;
 use super::material::Material;
 use super::shapes::Shapes;
@@ -20,6 +23,7 @@ use std::path::Path;
 
 /// What can be told to be wrong before the geometry is there, shapes apart.
 pub(super) fn check(file: &SceneFile, said: &Description) -> Result<(), SceneError> {
+    lights::check(file, said)?;
     match &said.camera {
         Some(camera) => {
             let film = film(Some(&said.film));
@@ -37,6 +41,7 @@ pub(super) fn native(
     imported: Vec<Imported>,
     surfaces: Surfaces,
     mut store: Store,
+    map: Option<Pixels>,
 ) -> Result<Scene, SceneError> {
     let path = &file.path;
     let film = film(Some(&said.film));
@@ -56,16 +61,16 @@ pub(super) fn native(
         Some(camera) => camera::compile(camera.get_ref(), camera.span(), film, file)?,
         None => camera::framing(mesh, film).ok_or_else(|| too_large(path))?,
     };
-    let sky = said.sky.as_ref().map(|sky| Sky {
-        zenith: radiance(sky.radiance),
-        nadir: radiance(sky.nadir.unwrap_or(sky.radiance)),
-    });
+    let (sky, sun) = lights::sky(file, said, map)?;
+    let mut lights = lights::lights(file, said, &mut shapes.warnings)?;
+    lights.extend(sun);
     Ok(finish(Scene {
         name: said.name.clone().unwrap_or_else(|| stem(path)),
         hash: [0; 32],
         camera,
         film,
         sky,
+        lights,
         settings: settings(&said.settings),
         materials: shapes.materials,
         textures: store.finish(),
@@ -76,7 +81,7 @@ pub(super) fn native(
 
 /// The sky over a bare file without light. Darker from below: under a constant sky a white model
 /// would have the sky's own colour everywhere and be invisible before it.
-const SOFT_SKY: Sky = Sky {
+const SOFT_SKY: Sky = Sky::Gradient {
     zenith: [1.5; 3],
     nadir: [0.3; 3],
 };
@@ -104,6 +109,7 @@ pub(super) fn bare(
         camera,
         film,
         sky: None,
+        lights: Vec::new(),
         settings: Settings::default(),
         materials,
         textures: store.finish(),
@@ -132,8 +138,8 @@ fn finish(mut scene: Scene) -> Scene {
         scene.settings.integrator,
         Integrator::Path | Integrator::Direct | Integrator::Reference
     );
-    let sky_shines = scene.sky.is_some_and(|sky| sky.shines());
-    if needs_light && !sky_shines && !emits(&scene) {
+    let sky_shines = scene.sky.as_ref().is_some_and(Sky::shines);
+    if needs_light && !sky_shines && scene.lights.is_empty() && !emits(&scene) {
         let message = "no light: neither a sky nor a surface emits, so the image will be black";
         scene.warnings.push(message.to_owned());
     }
@@ -219,6 +225,6 @@ fn settings(said: &description::Settings) -> Settings {
     }
 }
 
-fn radiance(colour: OneOrThree<NonNegative>) -> [f32; 3] {
+pub(super) fn radiance(colour: OneOrThree<NonNegative>) -> [f32; 3] {
     colour.0.map(|c| c.0 as f32)
 }

@@ -5,7 +5,9 @@ use super::compile;
 use super::compiled::{FilmSpec, Scene};
 use super::description::Description;
 use super::error::{SceneError, io_message};
+use super::import::panorama::{self, Pixels};
 use super::import::{Counts, Format, Imported};
+use super::lights;
 use super::shapes::Shapes;
 use super::surfaces::{self, Surfaces};
 use super::texture::Store;
@@ -23,6 +25,8 @@ pub struct Source {
     pub(super) native: Option<Native>,
     /// Each once, in the order of their first mention.
     pub(super) files: Vec<GeometryFile>,
+    /// The sky's map, if it has one.
+    sky: Option<PathBuf>,
 }
 
 /// A native scene's own file.
@@ -51,6 +55,7 @@ pub struct Parsed {
     /// Of each of the source's files.
     imported: Vec<Imported>,
     store: Store,
+    sky: Option<Pixels>,
 }
 
 impl Source {
@@ -72,6 +77,7 @@ impl Source {
             path: path.to_owned(),
             native: None,
             files: vec![file],
+            sky: None,
         })
     }
 
@@ -100,7 +106,9 @@ impl Source {
             }
         }
         compile::check(&file, &said)?;
+        let sky = lights::map_file(&file, &said)?;
         Ok(Self {
+            sky,
             path: path.to_owned(),
             native: Some(Native {
                 file,
@@ -177,7 +185,9 @@ impl Source {
         for imported in &mut imported {
             surfaces::bind_imported(imported, &mut store);
         }
+        let sky = self.sky.as_deref().map(panorama::load).transpose()?;
         Ok(Parsed {
+            sky,
             source: self,
             imported,
             store,
@@ -196,6 +206,7 @@ impl Parsed {
             path,
             native,
             files,
+            ..
         } = self.source;
         match native {
             Some(native) => compile::native(
@@ -205,6 +216,7 @@ impl Parsed {
                 self.imported,
                 native.surfaces,
                 self.store,
+                self.sky,
             ),
             None => compile::bare(&path, self.imported, self.store),
         }

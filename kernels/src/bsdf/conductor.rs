@@ -89,13 +89,12 @@ impl RoughConductor<'_> {
     #[inline(always)]
     fn lost(&self, w: Vec3x) -> Fx {
         let [x, y] = self.alpha;
-        let mean = self.energy.albedo(w.z, (x * y).sqrt());
-        let kept = if x.simd_eq(y).all() {
+        let mean = self.energy.lost(w.z, (x * y).sqrt());
+        if x.simd_eq(y).all() {
             mean
         } else {
-            mean.fast_max(self.energy.albedo(w.z, x.fast_min(y)))
-        };
-        Fx::ONE - kept
+            mean.fast_min(self.energy.lost(w.z, x.fast_min(y)))
+        }
     }
 
     /// Value and pdf, given the half vector and `1 - E(o)`; `i.z > 0`.
@@ -105,8 +104,8 @@ impl RoughConductor<'_> {
         let fresnel = conductor_rgb(o.dot(h), self.eta, self.k);
 
         let [x, y] = self.alpha;
-        let kept_mean = self.energy.mean((x * y).sqrt());
-        let lost_mean = Fx::ONE - kept_mean;
+        let lost_mean = self.energy.mean_lost((x * y).sqrt());
+        let kept_mean = Fx::ONE - lost_mean;
         let shape = lost * self.lost(i) / lost_mean * cosine_pdf(i.z);
         let shape = lost_mean.simd_gt(Fx::ZERO) & shape;
         let again = |mean: Fx| mean * mean * kept_mean / mean.mul_neg_add(lost_mean, Fx::ONE);

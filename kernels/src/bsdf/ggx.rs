@@ -4,10 +4,11 @@
 //!
 //! * density `D(m) = 1 / (pi ax ay ((m.x/ax)^2 + (m.y/ay)^2 + m.z^2)^2)` (B. Walter et al.,
 //!   "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007);
-//! * masking `G1(w) = 2 |w.z| / (|w.z| + L(w))`; height-correlated shadowing and masking of a
-//!   reflection `G2 = 2 o.z i.z / (o.z L(i) + i.z L(o))` (E. Heitz, "Understanding the
-//!   Masking-Shadowing Function", JCGT 3(2), 2014). For a refraction their product, as Walter has
-//!   it: a ray that leaves below is no likelier to be masked above;
+//! * masking `G1(w) = 2 |w.z| / (|w.z| + L(w))`; height-correlated shadowing and masking
+//!   `G2 = 2 o.z |i.z| / (o.z L(i) + |i.z| L(o))` (E. Heitz, "Understanding the Masking-Shadowing
+//!   Function", JCGT 3(2), 2014). A refraction takes the same `G2`, as pbrt's does: it is symmetric,
+//!   and for light that goes straight on it stays above a half, where a product of two `G1` would
+//!   fall to nothing at grazing;
 //! * visible normals, pdf `D(m) G1(o) (o.m) / o.z`, by a uniform point on a spherical cap (J. Dupuy,
 //!   A. Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023).
 //!
@@ -64,6 +65,20 @@ impl Ggx {
         let (x, y) = (m.x / ax, m.y / ay);
         let s = x.mul_add(x, y.mul_add(y, m.z * m.z));
         Fx::splat(INV_PI) / (ax * ay * s * s)
+    }
+
+    /// `G2 / G1(o)`: the part of the light that the facets let go, after what they let come.
+    #[inline(always)]
+    pub(super) fn shadowing(&self, o: Vec3x, i: Vec3x) -> Fx {
+        let (lo, li, z) = (self.stretched(o), self.stretched(i), i.z.abs());
+        z * (o.z + lo) / (o.z * li + z * lo)
+    }
+
+    /// Pdf of the normal `m` among those visible from `o`, over normals.
+    #[inline(always)]
+    pub(super) fn visible(&self, o: Vec3x, m: Vec3x) -> Fx {
+        let twice = o.dot(m) * Fx::splat(2.0);
+        self.density(m) * twice / (o.z + self.stretched(o))
     }
 
     /// A normal visible from `o`; unit, with `z > 0`.

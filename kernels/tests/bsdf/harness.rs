@@ -109,7 +109,7 @@ impl Map {
 const RINGS: usize = 16;
 const SECTORS: usize = 12;
 /// Points along each side of a cell at which the pdf is taken.
-const FINE: usize = 32;
+const FINE: usize = 24;
 
 /// Draws from `bsdf` and tests counts of cells against its pdf: one map for reflected directions,
 /// one for transmitted, and one count for draws that are not valid, which is what the pdf lacks to

@@ -6,6 +6,7 @@ mod common;
 mod harness;
 
 mod conductor;
+mod dielectric;
 mod diffuse;
 mod fresnel;
 mod twin;

@@ -118,3 +118,24 @@ pub(crate) fn reflected_energy(cos: f64, alpha: f64, points: usize) -> f64 {
     }
     total / (points * points) as f64
 }
+
+/// Value and pdf of a refraction, for radiance: Walter (2007), equations 17, 21 and 39, the light
+/// coming along `i` from the far side, with GGX, height-correlated shadowing, visible normals.
+pub(crate) fn refraction(o: [f64; 3], i: [f64; 3], alpha: f64, eta: f64) -> (f64, f64) {
+    let h = normalized(sum(o, scaled(i, eta)));
+    let h = scaled(h, h[2].signum());
+    let (near, far) = (dot(o, h), dot(i, h));
+    if near <= 0.0 || far >= 0.0 {
+        return (0.0, 0.0);
+    }
+    let widths = [alpha; 2];
+    let passed = 1.0 - fresnel(near, eta, 0.0);
+    let d = density(h, widths);
+    let g1 = 1.0 / (1.0 + lambda(o, widths));
+    let g2 = 1.0 / (1.0 + lambda(o, widths) + lambda(i, widths));
+    let square = (near + eta * far).powi(2);
+    let f = (near * far / (o[2] * i[2])).abs() * passed * g2 * d / square;
+    let visible = d * g1 * near / o[2];
+    let pdf = passed * visible * eta * eta * far.abs() / square;
+    (f * i[2].abs(), pdf)
+}

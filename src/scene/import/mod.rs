@@ -3,6 +3,7 @@
 pub(super) mod attributes;
 pub(super) mod mtl;
 mod obj;
+pub(super) mod panorama;
 mod piece;
 mod ply;
 mod statements;
