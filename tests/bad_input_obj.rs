@@ -133,14 +133,13 @@ fn materials_of_an_mtl() {
     assert_eq!(
         scene.warnings,
         [
-            "my lib.mtl: textures (map_Kd) are not supported; Kd is used (material `lamp`)",
-            "my lib.mtl: transparency (d, Tr) is not supported; taken as opaque \
+            "my lib.mtl: Kd out of its range was clamped (material `lead crystal`)",
+            "my lib.mtl: Kd that is not one or three finite numbers was left out (material `odd`)",
+            "my lib.mtl: Ke that is not one or three finite numbers was left out (material `odd`)",
+            "my lib.mtl: Ns that is no finite number was left out (material `lead crystal`)",
+            "a.obj: a textured `albedo` cannot be rendered yet; taken as diffuse (material `lamp`)",
+            "a.obj: kind `dielectric` cannot be rendered yet; taken as diffuse \
              (material `lead crystal`)",
-            "my lib.mtl: mirrors and glass (illum 3 to 9) are not supported; taken as diffuse \
-             (material `lead crystal`)",
-            "my lib.mtl: Kd outside 0 to 1 was clamped (material `lead crystal`)",
-            "my lib.mtl: Kd or Ke that is not one or three finite numbers was left out \
-             (material `odd`)",
         ]
     );
 }

@@ -5,7 +5,7 @@ use super::description::{Cuboid, InlineMesh, Rectangle, Shape};
 use super::error::SceneError;
 use super::import::{Imported, mtl};
 use super::load::GeometryFile;
-use super::material::Material;
+use super::material::{Bsdf, Material};
 use super::toml::{SceneFile, suggest};
 use super::transform::vector;
 use super::triangulate::triangulate;
@@ -191,7 +191,8 @@ impl<'a> Shapes<'a> {
             used,
         } = &mut self.loaded[place];
         self.warnings.append(&mut imported.warnings);
-        // Every material of a file is worn by some triangle of it.
+        // Every material of a file is worn by some triangle of it, or part of one that is.
+        let before = self.materials.len();
         let table: Vec<u32> = imported
             .materials
             .iter()
@@ -206,6 +207,12 @@ impl<'a> Shapes<'a> {
                 })
             })
             .collect();
+        for material in &mut self.materials[before..] {
+            if let Bsdf::Mix { first, second, .. } = &mut material.bsdf {
+                *first = table[*first as usize];
+                *second = table[*second as usize];
+            }
+        }
         *uses -= 1;
         let mut geometry = if *uses == 0 {
             Imported {

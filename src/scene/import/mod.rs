@@ -30,6 +30,10 @@ pub(super) struct Imported {
     pub(super) material: Vec<u32>,
     /// Materials by the file's own names.
     pub(super) materials: Vec<Material>,
+    /// How many of the last ones no triangle wears: they are parts of mixtures.
+    pub(super) parts: usize,
+    /// For each of the others, the reflectance of the diffuse surface that comes nearest.
+    pub(super) matt: Vec<[f32; 3]>,
     /// Textures that they read, by place; until `surfaces::bind_imported`.
     pub(super) textures: Vec<Request>,
     /// What had to be left out or guessed.
@@ -93,6 +97,12 @@ impl Format {
 }
 
 impl Imported {
+    /// Textures that its materials still read.
+    pub(super) fn wanted(&self) -> impl Iterator<Item = &Request> {
+        let places = self.materials.iter().flat_map(Material::textures);
+        places.map(|texture| &self.textures[texture as usize])
+    }
+
     /// Leaves out vertices that no triangle uses: they would count in the scene's box.
     fn drop_unused_vertices(&mut self) {
         let mut used = vec![false; self.vertices.len()];
