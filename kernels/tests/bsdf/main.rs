@@ -9,4 +9,5 @@ mod conductor;
 mod dielectric;
 mod diffuse;
 mod fresnel;
+mod principled;
 mod twin;
