@@ -32,7 +32,9 @@ mod refraction;
 pub use conductor::{RoughConductor, SmoothConductor};
 pub use dielectric::{RoughDielectric, SmoothDielectric};
 pub use diffuse::{Lambert, RoughDiffuse};
-pub use energy::{ReflectionEnergy, SchlickEnergy, SheenEnergy, TransmissionEnergy};
+pub use energy::{
+    AnisotropicEnergy, ReflectionEnergy, SchlickEnergy, SheenEnergy, TransmissionEnergy,
+};
 pub use ggx::ALPHA_FLOOR;
 pub use principled::Principled;
 

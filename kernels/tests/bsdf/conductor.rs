@@ -8,13 +8,14 @@ use crate::harness::{
 use crate::twin;
 use huygens_kernels::bsdf::fresnel::{METALS, Metal, conductor_mean};
 use huygens_kernels::bsdf::{
-    ALPHA_FLOOR, Bsdf, DELTA_PDF, ReflectionEnergy, RoughConductor, SmoothConductor,
+    ALPHA_FLOOR, AnisotropicEnergy, Bsdf, DELTA_PDF, ReflectionEnergy, RoughConductor,
+    SmoothConductor,
 };
 use huygens_kernels::lanes::Fx;
 use huygens_kernels::vec3::Vec3x;
 use std::f64::consts::PI;
 
-const WIDTHS: [[f32; 2]; 9] = [
+const WIDTHS: [[f32; 2]; 11] = [
     [ALPHA_FLOOR, ALPHA_FLOOR],
     [0.0023, 0.0023],
     [0.02, 0.02],
@@ -24,6 +25,8 @@ const WIDTHS: [[f32; 2]; 9] = [
     [0.5, 0.05],
     [0.01, 0.3],
     [1.0, 0.1],
+    [0.3, 0.25],
+    [0.15, 0.7],
 ];
 
 /// Reflects everything.
@@ -87,12 +90,11 @@ fn a_perfect_mirror_of_any_roughness_keeps_all_light_and_gains_none() {
                     albedo.most <= 1.0 + albedo.half,
                     "{alpha:?} {cos}: {albedo:?}"
                 );
-                if alpha[0] == alpha[1] {
-                    assert!(
-                        albedo.least >= 0.99 - albedo.half,
-                        "{alpha:?} {cos}: {albedo:?}"
-                    );
-                }
+                let least = if alpha[0] == alpha[1] { 0.99 } else { 0.98 };
+                assert!(
+                    albedo.least >= least - albedo.half,
+                    "{alpha:?} {cos}: {albedo:?}"
+                );
                 let gold = furnace(&rough(&METALS[0], alpha), o, 1.0, comparisons);
                 assert!(gold.most <= 1.0 + gold.half, "{alpha:?} {cos}: {gold:?}");
             }
@@ -153,12 +155,21 @@ fn lanes_agree_with_the_formula_in_f64_and_both_ways_round() {
             let (once, pdf) = twin::reflection(o, i, widths);
             let h = twin::normalized(twin::sum(o, i));
             let lane = |x: Fx| f64::from(x.as_array()[0]);
-            let geometric = Fx::splat(alpha[0] * alpha[1]).sqrt();
+            let isotropic = alpha[0] == alpha[1];
+            let width = Fx::splat(alpha[0]);
+            let brushed = AnisotropicEnergy::table();
             let lost = |w: [f64; 3]| {
-                let at = |width: Fx| lane(table.lost(Fx::splat(w[2] as f32), width));
-                at(geometric).min(at(Fx::splat(alpha[0].min(alpha[1]))))
+                lane(if isotropic {
+                    table.lost(Fx::splat(w[2] as f32), width)
+                } else {
+                    brushed.lost(splat(w), alpha.map(Fx::splat))
+                })
             };
-            let lost_mean = lane(table.mean_lost(geometric));
+            let lost_mean = lane(if isotropic {
+                table.mean_lost(width)
+            } else {
+                brushed.mean_lost(alpha.map(Fx::splat))
+            });
             let kept = 1.0 - lost_mean;
             let bound = bound(o, i, alpha);
             for c in 0..3 {

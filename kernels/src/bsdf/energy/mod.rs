@@ -1,5 +1,6 @@
 //! What single scattering keeps of the light on a rough surface, as tables, for compensating the
-//! rest: [`ReflectionEnergy`] for metals and thin walls, [`TransmissionEnergy`] for dielectrics;
+//! rest: [`ReflectionEnergy`] for metals and thin walls, [`AnisotropicEnergy`] for
+//! brushed metals, [`TransmissionEnergy`] for dielectrics;
 //! and what [`crate::bsdf::Principled`] reflects above its base: [`SchlickEnergy`], [`SheenEnergy`].
 //!
 //! Each is built once, at first use, from the kernels' own functions: with visible normals, an albedo
@@ -10,11 +11,13 @@
 //! coordinate is `t = sqrt((1 + alpha) o.z / (o.z + alpha))`, in which it is smooth down to the floor
 //! of alpha, and `sqrt(alpha)` across. All is linear between entries.
 
+mod anisotropic;
 mod reflection;
 mod schlick;
 mod sheen;
 mod transmission;
 
+pub use anisotropic::AnisotropicEnergy;
 pub use reflection::ReflectionEnergy;
 pub use schlick::SchlickEnergy;
 pub use sheen::SheenEnergy;
