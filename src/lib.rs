@@ -17,10 +17,14 @@
 //! ```
 
 pub mod accuracy;
+pub mod effects;
 pub mod estimate;
 pub mod film;
 pub mod geometry;
+pub mod processor;
+pub mod profile;
 pub mod reference;
 pub mod scene;
 pub mod settings;
+pub mod throughput;
 pub mod wave;

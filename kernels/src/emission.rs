@@ -1,31 +1,60 @@
 //! Emission found by a path: at a surface, or by leaving the scene.
 //!
 //! A path that scattered and then finds a light weighs what it finds by the power heuristic against
-//! next-event estimation, where that is in use; both pdfs in solid angle (see `light`). A camera ray
-//! is the only way to see a light directly and weighs 1.
+//! next-event estimation, where that is in use; both pdfs in solid angle (see `light`). Where the path's
+//! pdf is infinite, for camera rays and delta lobes, there is no other way and it weighs 1.
 //!
-//! Bytes an item: surface 84 read, sky 40; both read and write 12 of the sample.
+//! Cost: [`SURFACE`], [`SKY`], [`UNOCCLUDED`].
 
 use crate::accumulate::{add, report};
-use crate::hemisphere::UNIFORM_PDF;
-use crate::lanes::{Fx, LANES, Mask, Ux, as_mask, first, gather, gather_u32, load_u32, padded};
-use crate::light::{area_to_solid_angle, sky_radiance};
+use crate::cost::{Cost, columns, item};
+use crate::lanes::{Fx, LANES, Ux, as_mask, first, gather, gather_u32, load_u32, padded};
+use crate::light::{Departure, beyond, triangle_pdf};
 use crate::mis::power_heuristic;
-use crate::queues::{LAST_RAY, Listed};
-use crate::surface::Surface;
+use crate::queues::{Listed, OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
+use crate::surface::{self, Surface};
 use crate::tables::Tables;
 use crate::vec3::{ColumnsMut, Vec3x};
 
-#[inline(always)]
-fn from_camera(bounces: Ux) -> Mask {
-    as_mask((bounces & Ux::splat(!LAST_RAY)).simd_eq(Ux::splat(0)))
-}
+/// A sample's radiance.
+const SAMPLE: Cost = Cost::new(12, 12);
+/// Bytes of the path that weighing and adding what it found takes.
+const PATH: usize = 4 + columns::<PathsMut<'static>>(&[
+    "origin",
+    "direction",
+    "throughput",
+    "pdf",
+    "leaves",
+    "slot",
+    "bounces",
+]);
+
+/// A path at an emitting surface: its place, path, hit, triangle, material (emission,
+/// sides, pdf) and sample.
+pub const SURFACE: Cost = Cost::new(
+    PATH + item::<PathHitsMut<'static>>() + surface::TRIANGLE_BYTES + 20 + SAMPLE.read as usize,
+    SAMPLE.written as usize,
+)
+.operations(surface::OPERATIONS + 30);
+/// A path that left the scene: its place, path and sample.
+pub const SKY: Cost =
+    Cost::new(PATH + SAMPLE.read as usize, SAMPLE.written as usize).operations(25);
+/// An occlusion ray's light: answer, slot, radiance and sample.
+pub const UNOCCLUDED: Cost = Cost::new(
+    item::<OcclusionMut<'static>>()
+        + columns::<ShadowsMut<'static>>(&["slot", "radiance"])
+        + SAMPLE.read as usize,
+    SAMPLE.written as usize,
+)
+.operations(6);
 
 /// What found emission weighs: with `MIS`, the power heuristic's share; else everything.
 #[inline(always)]
-fn weigh<const MIS: bool>(camera: Mask, pdf: Fx, light_pdf: Fx) -> Fx {
+fn weigh<const MIS: bool>(pdf: Fx, light_pdf: Fx) -> Fx {
     if MIS {
-        camera.select(Fx::ONE, power_heuristic(pdf, light_pdf))
+        // Not left to the heuristic: a light seen along its plane has an infinite pdf too.
+        let alone = pdf.simd_eq(Fx::splat(f32::INFINITY));
+        alone.select(Fx::ONE, power_heuristic(pdf, light_pdf))
     } else {
         Fx::ONE
     }
@@ -43,13 +72,11 @@ pub fn surface_emission<const MIS: bool>(
     for (_, at, busy) in listed.vectors() {
         let surface = Surface::met(&listed, &tables.triangles, at);
         let emits = busy & surface.emits_here(tables.materials.two_sided);
-        let camera = from_camera(gather_u32(paths.bounces, at));
-        // The pdf with which next-event estimation at the ray's start would have drawn this point:
-        // along the ray, which is a unit vector, so the parameter is the distance.
+        // The ray's direction is a unit vector, so the parameter is the distance.
         let t = gather(listed.hits.t, at);
-        let area_pdf = gather(tables.materials.area_pdf, surface.material);
-        let light_pdf = area_to_solid_angle(area_pdf, t * t, surface.cos_o);
-        let weight = weigh::<MIS>(camera, gather(paths.pdf, at), light_pdf);
+        let from = Departure::of(&paths, at);
+        let light_pdf = triangle_pdf(tables, &from, surface.material, t, surface.cos_o);
+        let weight = weigh::<MIS>(gather(paths.pdf, at), light_pdf);
         let emitted = Vec3x::gather_columns(tables.materials.emission, surface.material);
         let value = Vec3x::gather_columns(paths.throughput, at).product(emitted) * weight;
         let slot = gather_u32(paths.slot, at);
@@ -57,7 +84,7 @@ pub fn surface_emission<const MIS: bool>(
     }
 }
 
-/// Adds the sky to the listed paths, which left the scene. As [`surface_emission`].
+/// Adds the sky, and discs in it, to the listed paths, which left the scene. As [`surface_emission`].
 pub fn sky_emission<const MIS: bool>(
     listed: Listed,
     tables: &Tables,
@@ -65,12 +92,14 @@ pub fn sky_emission<const MIS: bool>(
     mut dropped: impl FnMut(u32),
 ) {
     let paths = listed.paths;
-    let light_pdf = Fx::splat(tables.lights.sky_selection * UNIFORM_PDF);
     for (_, at, busy) in listed.vectors() {
-        let camera = from_camera(gather_u32(paths.bounces, at));
-        let weight = weigh::<MIS>(camera, gather(paths.pdf, at), light_pdf);
-        let sky = sky_radiance(&tables.lights, Vec3x::gather_columns(paths.direction, at));
-        let value = Vec3x::gather_columns(paths.throughput, at).product(sky) * weight;
+        let from = Departure::of(&paths, at);
+        let pdf = gather(paths.pdf, at);
+        let mut sky = Vec3x::splat([0.0; 3]);
+        beyond(tables, &from, |radiance, light_pdf| {
+            sky += radiance * weigh::<MIS>(pdf, light_pdf);
+        });
+        let value = Vec3x::gather_columns(paths.throughput, at).product(sky);
         let slot = gather_u32(paths.slot, at);
         report(add(radiance, slot, value, busy), slot, &mut dropped);
     }

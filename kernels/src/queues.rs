@@ -6,6 +6,13 @@ use crate::soa;
 /// Set in `bounces` of a path that may find light but does not scatter again.
 pub const LAST_RAY: u32 = 1 << 31;
 
+/// Set in `bounces` of a path whose ray leaves a surface that light passes through: next-event
+/// estimation there looked for light on both sides, which the pdf of light found depends on.
+pub const BOTH_SIDES: u32 = 1 << 30;
+
+/// All marks that may be set in `bounces`.
+pub const MARKS: u32 = LAST_RAY | BOTH_SIDES;
+
 soa! {
     /// Paths, each at the start of its next ray.
     pub struct Paths, PathsMut {
@@ -15,7 +22,8 @@ soa! {
         direction: Vec3,
         /// Product of BSDF * cos / pdf (and 1 / survival) over the path so far.
         throughput: Vec3,
-        /// Solid-angle pdf of `direction`; unspecified for camera rays.
+        /// Solid-angle pdf of `direction`; infinite where nothing but this ray could have found what
+        /// it finds: camera rays, and directions that a delta lobe gave.
         pdf: F32,
         /// The triangle that the ray leaves, or `NO_PRIMITIVE`.
         leaves: U32,
@@ -25,7 +33,7 @@ soa! {
         pixel: U32,
         /// Sample index within the pixel.
         sample: U32,
-        /// Scattering events so far: the path's dimension counter. [`LAST_RAY`] may be set in it.
+        /// Scattering events so far: the path's dimension counter. [`MARKS`] may be set in it.
         bounces: U32,
     }
 }
@@ -55,6 +63,9 @@ pub struct Listed<'a> {
     pub paths: Paths<'a>,
     /// Their hits.
     pub hits: PathHits<'a>,
+    /// The material that each path of the wave met, where that is not its triangle's: place by place
+    /// of the queue, not of the list.
+    pub material: Option<&'a [u32]>,
 }
 
 impl<'a> Listed<'a> {
@@ -76,7 +87,7 @@ pub struct Identity {
     pub pixel: Ux,
     /// Sample index within the pixel.
     pub sample: Ux,
-    /// Scattering events so far.
+    /// Scattering events so far, without marks.
     pub bounces: Ux,
 }
 
@@ -89,8 +100,68 @@ impl Paths<'_> {
             slot: gather_u32(self.slot, at),
             pixel: gather_u32(self.pixel, at),
             sample: gather_u32(self.sample, at),
-            bounces: gather_u32(self.bounces, at),
+            bounces: gather_u32(self.bounces, at) & Ux::splat(!MARKS),
         }
+    }
+}
+
+soa! {
+    /// Surface interactions: what [`Listed`] paths met, row by row of their list, where the surface
+    /// is more than a plain diffuse one.
+    pub struct Surfaces, SurfacesMut {
+        /// The hit point.
+        point: Vec3,
+        /// How far along `normal`, to either side, a ray has to start to be off the surface.
+        clearance: F32,
+        /// Unit geometric normal on the side that the path came from.
+        normal: Vec3,
+        /// Unit shading normal: the z axis of the local frame.
+        shading: Vec3,
+        /// Unit vector back along the path, in the local frame.
+        omega_o: Vec3,
+        /// All bits set if the path came from the front, else 0.
+        front: U32,
+        /// The triangle.
+        primitive: U32,
+        /// Its material; of a mixture, the one that was drawn.
+        material: U32,
+    }
+}
+
+soa! {
+    /// The uniform numbers that the rows of [`Surfaces`] use.
+    pub struct Drawn, DrawnMut {
+        /// For the next direction: two, and one that chooses a lobe.
+        direction: Vec3,
+        /// For a light: two to select it, two for a point on it.
+        select: F32,
+        /// See `select`.
+        keep: F32,
+        /// See `select`.
+        u: F32,
+        /// See `select`.
+        v: F32,
+    }
+}
+
+soa! {
+    /// One sample of the light around each row of [`Surfaces`].
+    pub struct Lit, LitMut {
+        /// Where the occlusion ray starts.
+        origin: Vec3,
+        /// To the light; see `light::LightSample`.
+        segment: Vec3,
+        /// Ray parameter of the light along `segment`.
+        t_max: F32,
+        /// Triangle sampled, or `NO_PRIMITIVE`.
+        primitive: U32,
+        /// Unit vector to the light, world space.
+        direction: Vec3,
+        /// Radiance over the pdf; black where the sample can carry nothing.
+        radiance: Vec3,
+        /// The pdf of `direction` in solid angle, selection included; infinite if nothing but next-event
+        /// estimation can find the light.
+        pdf: F32,
     }
 }
 

@@ -20,6 +20,11 @@ use crate::queues::Listed;
 use crate::tables::Triangles;
 use crate::vec3::Vec3x;
 
+/// Bytes that an interaction gathers of a triangle: three indices, three vertices, the material.
+pub const TRIANGLE_BYTES: usize = 12 + 36 + 4;
+/// Operations of an interaction: edges, point and its bound, normal and its side, spawned origin.
+pub const OPERATIONS: u64 = 90;
+
 const EPSILON: f32 = 1.0 / 16_777_216.0;
 
 /// `n` roundings in a row, relative: Higham's gamma.
@@ -68,13 +73,16 @@ impl Corners {
     #[inline(always)]
     #[must_use]
     pub fn unit_normal(&self) -> Vec3x {
-        let largest = self
-            .e1
-            .abs()
-            .max_component()
-            .fast_max(self.e2.abs().max_component());
-        let scale = Fx::ONE / largest;
+        let scale = self.scale();
         (self.e1 * scale).cross(self.e2 * scale).normalized()
+    }
+
+    /// What makes the largest component of the edges 1.
+    #[inline(always)]
+    #[must_use]
+    pub fn scale(&self) -> Fx {
+        let largest = self.e1.abs().max_component();
+        Fx::ONE / largest.fast_max(self.e2.abs().max_component())
     }
 
     /// The point with barycentric weights `u`, `v` of the second and third vertex, and the scale
@@ -91,12 +99,44 @@ impl Corners {
     }
 }
 
+/// How far along the unit vector `normal`, to either side, a point is off its surface for certain;
+/// `s` from [`Corners::point`].
+#[inline(always)]
+#[must_use]
+pub fn clearance(s: Vec3x, normal: Vec3x) -> Fx {
+    normal.abs().dot(s) * Fx::splat(gamma(16.0))
+}
+
 /// `p` moved off its surface to the side of the unit vector `normal`; `s` from [`Corners::point`].
 #[inline(always)]
 #[must_use]
 pub fn spawn(p: Vec3x, s: Vec3x, normal: Vec3x) -> Vec3x {
-    let distance = normal.abs().dot(s) * Fx::splat(gamma(16.0));
-    normal.scale_add(distance, p)
+    normal.scale_add(clearance(s, normal), p)
+}
+
+/// `LANES` surfaces as lights see them.
+#[derive(Clone, Copy, Debug)]
+pub struct Anchor {
+    /// Points on the surfaces, to rounding.
+    pub point: Vec3x,
+    /// Unit geometric normals, on the side that the paths came from.
+    pub normal: Vec3x,
+    /// How far along the normal, to either side, rays start; see [`clearance`].
+    pub clearance: Fx,
+    /// Where light from the other side counts too, because it passes through.
+    pub both_sides: Mask,
+}
+
+impl Anchor {
+    /// Where a ray towards `to` starts: off the surface, on that side of it if light passes through,
+    /// else on the near one.
+    #[inline(always)]
+    #[must_use]
+    pub fn start(&self, to: Vec3x) -> Vec3x {
+        let below = self.both_sides & self.normal.dot(to).simd_lt(Fx::ZERO);
+        let off = below.select(-self.clearance, self.clearance);
+        self.normal.scale_add(off, self.point)
+    }
 }
 
 /// `LANES` surface interactions.
@@ -104,6 +144,10 @@ pub fn spawn(p: Vec3x, s: Vec3x, normal: Vec3x) -> Vec3x {
 pub struct Surface {
     /// Where rays that leave on the near side start: the hit point, offset.
     pub origin: Vec3x,
+    /// The hit point itself, to rounding.
+    pub point: Vec3x,
+    /// How far `origin` is from it; see [`clearance`].
+    pub clearance: Fx,
     /// Unit geometric normal on the side that the path came from.
     pub normal: Vec3x,
     /// Whether that side is the front.
@@ -126,9 +170,12 @@ impl Surface {
         let cos = front_normal.dot(direction);
         let front = cos.simd_lt(Fx::ZERO);
         let normal = Vec3x::select(front, front_normal, -front_normal);
-        let (p, s) = corners.point(u, v);
+        let (point, s) = corners.point(u, v);
+        let clearance = clearance(s, normal);
         Self {
-            origin: spawn(p, s, normal),
+            origin: normal.scale_add(clearance, point),
+            point,
+            clearance,
             normal,
             front,
             cos_o: cos.abs(),
@@ -149,6 +196,18 @@ impl Surface {
             gather(hits.v, at),
             Vec3x::gather_columns(listed.paths.direction, at),
         )
+    }
+
+    /// The surface as lights see it; `both_sides` where light passes through it.
+    #[inline(always)]
+    #[must_use]
+    pub fn anchor(&self, both_sides: Mask) -> Anchor {
+        Anchor {
+            point: self.point,
+            normal: self.normal,
+            clearance: self.clearance,
+            both_sides,
+        }
     }
 
     /// True where the material emits towards the path.

@@ -1,6 +1,11 @@
 //! The scene as kernels see it: slices of tables.
 
-use crate::vec3::Columns;
+use crate::lanes::{Fx, Ux, gather};
+use crate::light::{Environment, Punctual};
+use crate::vec3::{Columns, Vec3x};
+
+/// Most parameters that a kind of BSDF has.
+pub const SLOTS: usize = 20;
 
 /// All that shading reads. See each member for its lengths.
 #[derive(Clone, Copy, Debug)]
@@ -25,10 +30,13 @@ pub struct Triangles<'a> {
 }
 
 /// Material tables, one element a material.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Materials<'a> {
-    /// Diffuse reflectance.
+    /// Diffuse reflectance; of other kinds, their colour in one word.
     pub albedo: Columns<'a>,
+    /// The parameters of its BSDF, a column each; what they mean depends on the kind
+    /// (`scatter::kinds`).
+    pub parameters: [&'a [f32]; SLOTS],
     /// Emitted radiance.
     pub emission: Columns<'a>,
     /// All bits set if it emits from the back too, else 0.
@@ -38,19 +46,52 @@ pub struct Materials<'a> {
     pub area_pdf: &'a [f32],
 }
 
-/// Light tables: emissive triangles, then the sky if there is one.
+/// Light tables: emissive triangles, then lights of no area, then the sky if there is one.
 #[derive(Clone, Copy, Debug)]
 pub struct Lights<'a> {
     /// Alias method: probability to keep entry `i`.
     pub keep: &'a [f32],
     /// Alias method: what entry `i` stands for otherwise.
     pub alias: &'a [u32],
-    /// Triangle of light `i`; `NO_PRIMITIVE` for the sky.
-    pub primitive: &'a [u32],
-    /// Radiance of the sky from straight above (+y); black if there is no sky.
+    /// What light `i` is: a triangle by its index, or one of `light`'s marks.
+    pub source: &'a [u32],
+    /// Lights of no area.
+    pub punctual: &'a [Punctual],
+    /// The sky's map, if it has one.
+    pub environment: Option<Environment<'a>>,
+    /// Radiance of a sky without a map from straight above (+y); black if there is no sky.
     pub zenith: [f32; 3],
     /// Radiance of the sky from straight below.
     pub nadir: [f32; 3],
     /// Probability to select the sky.
     pub sky_selection: f32,
+}
+
+/// The BSDF parameters of a vector of surfaces.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameters<'a> {
+    /// The tables.
+    pub materials: &'a Materials<'a>,
+    /// The material in each lane.
+    pub material: Ux,
+}
+
+impl Parameters<'_> {
+    /// The parameter of number `slot`.
+    #[inline(always)]
+    #[must_use]
+    pub fn number(&self, slot: usize) -> Fx {
+        gather(self.materials.parameters[slot], self.material)
+    }
+
+    /// The colour whose red is parameter `slot`, its green and blue the next two.
+    #[inline(always)]
+    #[must_use]
+    pub fn colour(&self, slot: usize) -> Vec3x {
+        Vec3x::new(
+            self.number(slot),
+            self.number(slot + 1),
+            self.number(slot + 2),
+        )
+    }
 }

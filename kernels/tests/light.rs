@@ -5,9 +5,10 @@ mod common;
 
 use common::{CORNERS, Source, Suite};
 use huygens_kernels::lanes::{Fx, LANES};
-use huygens_kernels::light::{LightSample, sample_light, select_light};
+use huygens_kernels::light::{LightSample, SKY, sample_light, select_light};
 use huygens_kernels::mis::power_heuristic;
 use huygens_kernels::rays::NO_PRIMITIVE;
+use huygens_kernels::surface::Anchor;
 use huygens_kernels::tables::{Lights, Materials, Tables, Triangles};
 use huygens_kernels::vec3::Vec3x;
 use proptest::prelude::*;
@@ -35,6 +36,16 @@ const SKY_POWER: f64 = 8.0;
 
 fn corners(triangle: usize) -> [[f64; 3]; 3] {
     INDICES[triangle].map(|v| VERTICES[v as usize].map(f64::from))
+}
+
+/// A surface at `point` that faces up and lets nothing through.
+fn anchor(point: [f32; 3]) -> Anchor {
+    Anchor {
+        point: Vec3x::splat(point),
+        normal: Vec3x::splat([0.0, 1.0, 0.0]),
+        clearance: Fx::ZERO,
+        both_sides: Fx::ZERO,
+    }
 }
 
 fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
@@ -103,19 +114,21 @@ impl Scene {
                 emission: [&[1.0, 2.0], &[3.0, 4.0], &[5.0, 6.0]],
                 two_sided: &[0, u32::MAX],
                 area_pdf: &self.area_pdf,
+                ..Materials::default()
             },
             lights: Lights {
                 keep: &self.keep,
                 alias: &self.alias,
-                primitive: &[0, 1, 2, NO_PRIMITIVE],
+                source: &[0, 1, 2, SKY],
+                punctual: &[],
+                environment: None,
                 zenith: ZENITH.map(|c| c as f32),
                 nadir: NADIR.map(|c| c as f32),
                 sky_selection: self.sky_selection,
             },
         };
-        let up = Vec3x::splat([0.0, 1.0, 0.0]);
         let u = std::array::from_fn(|_| source.unit_lanes());
-        sample_light(&tables, Vec3x::splat([0.0; 3]), up, u)
+        sample_light(&tables, &anchor([0.0; 3]), u)
     }
 }
 
@@ -149,7 +162,7 @@ fn lights_are_selected_by_their_weight() {
         let mut source = Source(3);
         let mut observed = vec![0u64; weights.len()];
         for _ in 0..DRAWS / LANES {
-            let light = select_light(&keep, &alias, source.unit_lanes(), source.unit_lanes());
+            let light = select_light(&keep, &alias, source.unit_lanes(), source.unit_lanes()).0;
             light
                 .to_array()
                 .into_iter()
@@ -175,7 +188,11 @@ fn the_ends_of_the_unit_interval_select_lights_that_exist() {
     for n in [1usize, 3, 1000, 65_537, (1 << 20) + 1] {
         let (keep, alias) = (vec![0.5f32; n], vec![0u32; n]);
         for u0 in CORNERS {
-            let light = select_light(&keep, &alias, Fx::splat(u0), Fx::new(CORNERS));
+            let (light, rest) = select_light(&keep, &alias, Fx::splat(u0), Fx::new(CORNERS));
+            assert!(
+                rest.to_array().iter().all(|r| (0.0..1.0).contains(r)),
+                "{rest}"
+            );
             for (light, u1) in light.to_array().into_iter().zip(CORNERS) {
                 let entry = ((f64::from(u0) * n as f64) as u32).min(n as u32 - 1);
                 let expected = if u1 < 0.5 { entry } else { 0 };
@@ -316,6 +333,7 @@ fn a_back_that_does_not_emit_is_no_valid_sample() {
         emission: [&[1.0; 2]; 3],
         two_sided: &[0, 0],
         area_pdf: &scene.area_pdf,
+        ..Materials::default()
     };
     let tables = Tables {
         triangles: Triangles {
@@ -327,21 +345,74 @@ fn a_back_that_does_not_emit_is_no_valid_sample() {
         lights: Lights {
             keep: &[1.0],
             alias: &[0],
-            primitive: &[2],
+            source: &[2],
+            punctual: &[],
+            environment: None,
             zenith: [0.0; 3],
             nadir: [0.0; 3],
             sky_selection: 0.0,
         },
     };
     let u = std::array::from_fn(|_| source.unit_lanes());
-    let up = Vec3x::splat([0.0, 1.0, 0.0]);
-    assert!(
-        sample_light(&tables, Vec3x::splat([0.0; 3]), up, u)
-            .valid
-            .none()
-    );
-    let behind = Vec3x::splat([-9.0, 2.0, 2.0]);
-    assert!(sample_light(&tables, behind, up, u).valid.all());
+    assert!(sample_light(&tables, &anchor([0.0; 3]), u).valid.none());
+    let behind = anchor([-9.0, 2.0, 2.0]);
+    assert!(sample_light(&tables, &behind, u).valid.all());
+}
+
+#[test]
+fn where_light_passes_through_the_sky_is_sampled_all_around_and_rays_start_on_its_side() {
+    const DRAWS: usize = 1 << 18;
+    const BANDS: usize = 64;
+    let tables = Tables {
+        triangles: Triangles {
+            vertices: &VERTICES,
+            indices: &INDICES,
+            material: &MATERIAL,
+        },
+        materials: Materials {
+            albedo: [&[0.5; 2]; 3],
+            emission: [&[1.0; 2]; 3],
+            two_sided: &[u32::MAX; 2],
+            area_pdf: &[0.0; 2],
+            ..Materials::default()
+        },
+        lights: Lights {
+            keep: &[1.0],
+            alias: &[0],
+            source: &[SKY],
+            punctual: &[],
+            environment: None,
+            zenith: [1.0; 3],
+            nadir: [1.0; 3],
+            sky_selection: 0.5,
+        },
+    };
+    let anchor = Anchor {
+        clearance: Fx::splat(0.25),
+        both_sides: Fx::ZERO.simd_eq(Fx::ZERO),
+        ..anchor([0.0; 3])
+    };
+    let mut source = Source(11);
+    let mut bands = [0u64; BANDS];
+    for _ in 0..DRAWS / LANES {
+        let u = std::array::from_fn(|_| source.unit_lanes());
+        let drawn = sample_light(&tables, &anchor, u);
+        assert!(drawn.valid.all());
+        for lane in 0..LANES {
+            let y = drawn.direction.lane(lane)[1];
+            // The height of a uniform direction is uniform (Archimedes).
+            let band = ((f64::from(y) + 1.0) * 0.5 * BANDS as f64) as usize;
+            bands[band.min(BANDS - 1)] += 1;
+            let start = if y < 0.0 { -0.25 } else { 0.25 };
+            assert_eq!(drawn.origin.lane(lane), [0.0, start, 0.0]);
+            let pdf = f64::from(drawn.pdf.as_array()[lane]);
+            let twin = 0.5 / (4.0 * std::f64::consts::PI);
+            assert!((pdf / twin - 1.0).abs() < 4.0 * ROUNDING);
+        }
+    }
+    let mut suite = Suite::default();
+    suite.test_uniform("heights", &bands);
+    suite.finish();
 }
 
 proptest! {

@@ -3,7 +3,7 @@
 //! Paths keep their order from queue to queue and new ones join at the end, so a queue holds few
 //! runs of equal bounce; counting runs, not items, is what makes the accounting by bounce cheap.
 
-use huygens_kernels::queues::LAST_RAY;
+use huygens_kernels::queues::MARKS;
 
 /// Bounces told apart; the last row holds all deeper ones.
 pub(crate) const ROWS: usize = 64;
@@ -58,14 +58,14 @@ impl Tally {
     }
 }
 
-/// Calls `run` with each longest range of equal bounces, in order. [`LAST_RAY`] is not looked at.
+/// Calls `run` with each longest range of equal bounces, in order. [`MARKS`] are not looked at.
 pub(crate) fn for_each_run(bounces: &[u32], mut run: impl FnMut(u32, std::ops::Range<usize>)) {
     let mut start = 0;
     while start < bounces.len() {
-        let bounce = bounces[start] & !LAST_RAY;
+        let bounce = bounces[start] & !MARKS;
         let rest = &bounces[start..];
         // Whole blocks of equal bounces first: the compiler compares them in lanes.
-        let same = |b: &u32| b & !LAST_RAY == bounce;
+        let same = |b: &u32| b & !MARKS == bounce;
         let blocks = rest
             .chunks_exact(32)
             .take_while(|c| c.iter().filter(|b| same(b)).count() == 32);
@@ -83,7 +83,7 @@ mod tests {
     #[test]
     fn runs_cover_the_column_in_order_and_ignore_the_last_ray_mark() {
         let mut column = vec![5; 70];
-        column.extend([3, 3, 3 | LAST_RAY, 2]);
+        column.extend([3, 3, 3 | MARKS, 2]);
         column.extend([0; 33]);
         let mut runs = Vec::new();
         for_each_run(&column, |b, r| runs.push((b, r)));

@@ -7,7 +7,7 @@
 //! Each [`Projection`] is compiled into an instance of the kernel of its own: four, times the
 //! samplers. Which one runs is decided once a call.
 //!
-//! Written: 64 bytes an item.
+//! Cost: [`COST`].
 
 mod orthographic;
 mod panorama;
@@ -19,6 +19,7 @@ pub use panorama::Panorama;
 pub use perspective::Perspective;
 pub use thin_lens::ThinLens;
 
+use crate::cost::{Cost, item};
 use crate::filter;
 use crate::lanes::{Fx, LANES, Ux, iota, padded, store, store_u32, to_f32};
 use crate::queues::{LAST_RAY, PathsMut};
@@ -26,6 +27,9 @@ use crate::rays::NO_PRIMITIVE;
 use crate::sampler::{CAMERA_BLOCK, Sampler};
 use crate::vec3::Vec3x;
 use std::ops::Range;
+
+/// A camera ray.
+pub const COST: Cost = Cost::new(0, item::<PathsMut<'static>>()).operations(40);
 
 /// From points of the image to rays.
 pub trait Projection: Copy {
@@ -134,7 +138,7 @@ fn fill<P: Projection, S: Sampler>(
         origin.store(&mut paths.origin, to);
         direction.store(&mut paths.direction, to);
         Vec3x::splat([1.0; 3]).store(&mut paths.throughput, to);
-        store(paths.pdf, to, Fx::ONE);
+        store(paths.pdf, to, Fx::splat(f32::INFINITY));
         store_u32(paths.leaves, to, Ux::splat(NO_PRIMITIVE));
         store_u32(paths.slot, to, iota(slot + i as u32));
         store_u32(paths.pixel, to, name);

@@ -121,7 +121,8 @@ impl Header {
     }
 
     /// Vertices and triangles of the file: exact where it is whole and no list stands in it but the
-    /// faces' corners, otherwise an upper bound.
+    /// faces' corners, otherwise an upper bound. Faces with fewer than three corners are not
+    /// foreseen: each lowers the number of triangles by up to two.
     pub(super) fn counts(&self) -> Result<Counts, SceneError> {
         let faces = self.rows("face") as u64;
         // What the rows hold apart from corners, in bytes or, in ASCII, in words.
