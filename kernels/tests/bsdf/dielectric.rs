@@ -142,7 +142,7 @@ fn samples_follow_their_pdf() {
     let mut suite = Suite::default();
     for eta in INDICES {
         for alpha in WIDTHS {
-            for cos in [0.05, 0.3, 0.6, 0.9, 1.0] {
+            for cos in [0.05, 0.6, 1.0] {
                 for thin in [false, true] {
                     let n = f64::from(eta);
                     let unspread = !thin && unspread(n, f64::from(alpha));
@@ -224,7 +224,7 @@ fn bound(o: [f64; 3], i: [f64; 3], alpha: f64, eta: f64, passed: bool) -> f64 {
 
 #[test]
 fn the_ends_of_the_unit_cube_and_grazing_directions_are_sound() {
-    for eta in INDICES.into_iter().chain([1.0, 1.02, 0.97, 4.0]) {
+    for eta in [1.5, 0.8, 1.0, 1.02, 0.97, 4.0] {
         for alpha in WIDTHS {
             for cos in COSINES.into_iter().chain([1e-7]) {
                 for thin in [false, true] {

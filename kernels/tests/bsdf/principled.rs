@@ -404,3 +404,20 @@ fn lanes_agree_with_the_formula_in_f64() {
         }
     }
 }
+
+#[test]
+fn no_weight_is_above_ten() {
+    let mut source = Source(67);
+    for (name, material) in materials() {
+        let mut most = 0f32;
+        for cos in COSINES {
+            for _ in 0..1000 {
+                let u = std::array::from_fn(|_| source.unit_lanes());
+                let drawn = material.lanes().sample(splat(direction(cos, 1.0)), u);
+                let weight = drawn.weight.max_component();
+                most = weight.to_array().into_iter().fold(most, f32::max);
+            }
+        }
+        assert!(most <= 10.0, "{name}: {most}");
+    }
+}
