@@ -319,6 +319,29 @@ fn lanes_agree_with_the_formula_in_f64_and_what_is_scaled_is_reciprocal() {
 }
 
 #[test]
+fn no_weight_is_above_eight() {
+    let mut source = Source(55);
+    for eta in INDICES.into_iter().chain([0.94, 0.97, 1.06, 4.0]) {
+        for alpha in WIDTHS {
+            for cos in COSINES {
+                let bsdf = rough(eta, alpha, false);
+                for _ in 0..100 {
+                    let u = std::array::from_fn(|_| source.unit_lanes());
+                    let drawn = bsdf.sample(splat(direction(cos, 1.0)), u);
+                    let passed = drawn.direction.z.simd_lt(Fx::ZERO);
+                    let scale = passed.select(Fx::splat(eta * eta), Fx::ONE);
+                    let weight = drawn.weight.x * scale;
+                    assert!(
+                        weight.simd_le(Fx::splat(8.0)).all(),
+                        "{eta} {alpha} {cos}: {weight:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn tints_and_walls() {
     // A tinted thin wall of roughness 0.3: what passes is what is reflected, mirrored, by (1 - R')/R'.
     let mut bsdf = rough(1.5, 0.3, true);
