@@ -3,6 +3,10 @@
 //! The wave is assembled from this: a stage, a queue or a kernel that no effect asks for is not
 //! there.
 
+mod shader;
+
+pub use shader::Shader;
+
 use crate::scene::{Bsdf, LightKind, Material, Projection, Scene, Sky};
 use crate::settings::{Integrator, Settings, Strategy};
 use serde::Serialize;
@@ -14,65 +18,6 @@ pub struct Effect {
     pub name: &'static str,
     /// What asks for it: a material, a light, the camera or a setting.
     pub reason: String,
-}
-
-/// What scatters at a surface: each has a kernel of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Shader {
-    /// Lambertian, flat and of one colour: one pass from hit to scattered path.
-    Plain,
-    /// Lambertian otherwise.
-    Diffuse,
-    /// Rough diffuse.
-    RoughDiffuse,
-}
-
-impl Shader {
-    /// All there are, in the order in which they run.
-    pub const ALL: [Self; 3] = [Self::Plain, Self::Diffuse, Self::RoughDiffuse];
-
-    /// The effect's name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Plain => "plain diffuse",
-            Self::Diffuse => "diffuse",
-            Self::RoughDiffuse => "rough diffuse",
-        }
-    }
-
-    /// Whether light can only be found by following its directions.
-    #[must_use]
-    pub fn is_delta(self) -> bool {
-        match self {
-            Self::Plain | Self::Diffuse | Self::RoughDiffuse => false,
-        }
-    }
-
-    /// Whether light passes through.
-    #[must_use]
-    pub fn passes(self) -> bool {
-        match self {
-            Self::Plain | Self::Diffuse | Self::RoughDiffuse => false,
-        }
-    }
-
-    /// The shader of a material that is no mixture; `smooth` if a surface that wears it has
-    /// interpolated normals.
-    fn of(material: &Material, smooth: bool) -> Self {
-        match &material.bsdf {
-            Bsdf::Diffuse { roughness, .. } if *roughness > 0.0 => Self::RoughDiffuse,
-            Bsdf::Diffuse { reflectance, .. } => {
-                let bent = smooth || material.normal_map.is_some();
-                if bent || reflectance.texture.is_some() {
-                    Self::Diffuse
-                } else {
-                    Self::Plain
-                }
-            }
-            _ => Self::Diffuse,
-        }
-    }
 }
 
 /// The effects that a scene calls for under some settings.
@@ -167,9 +112,10 @@ impl Effects {
     fn surfaces(&mut self, scene: &Scene, transport: bool) {
         let worn = worn(scene);
         let smooth = smooth(scene);
+        let mixed = mixed(scene);
         self.shaders = (0..scene.materials.len())
             .map(|i| match (transport, worn[i]) {
-                (true, true) => Shader::of(&scene.materials[i], smooth[i]),
+                (true, true) => Shader::of(&scene.materials[i], smooth[i] || mixed[i]),
                 _ => Shader::Plain,
             })
             .collect();
@@ -199,7 +145,35 @@ fn worn(scene: &Scene) -> Vec<bool> {
     for &m in &scene.mesh.material {
         worn[m as usize] = true;
     }
+    spread(scene, &mut worn);
     worn
+}
+
+/// By material: whether it is part of a mixture that any surface wears.
+fn mixed(scene: &Scene) -> Vec<bool> {
+    let worn = worn(scene);
+    let mut mixed = vec![false; worn.len()];
+    for (m, worn) in scene.materials.iter().zip(worn) {
+        if let Bsdf::Mix { first, second, .. } = m.bsdf {
+            mixed[first as usize] |= worn;
+            mixed[second as usize] |= worn;
+        }
+    }
+    mixed
+}
+
+/// Marks the parts of marked mixtures too.
+fn spread(scene: &Scene, marked: &mut [bool]) {
+    let mut stack: Vec<usize> = (0..marked.len()).filter(|&m| marked[m]).collect();
+    while let Some(m) = stack.pop() {
+        if let Bsdf::Mix { first, second, .. } = scene.materials[m].bsdf {
+            for part in [first as usize, second as usize] {
+                if !std::mem::replace(&mut marked[part], true) {
+                    stack.push(part);
+                }
+            }
+        }
+    }
 }
 
 /// By material: whether a surface that wears it has interpolated normals.

@@ -15,6 +15,8 @@ mod generate;
 mod instruments;
 mod intersect;
 mod lights;
+mod mixtures;
+mod parameters;
 mod plan;
 mod queue;
 mod render;
@@ -74,7 +76,7 @@ impl<'a> Wave<'a> {
             setup,
             paths: Queue::new(capacity),
             hits: Queue::new(capacity),
-            lists: Lists::new(capacity, setup.shaders.len(), setup.wanted),
+            lists: Lists::new(setup),
             surfaces: setup.surfaces(),
             scattered: Queue::new(capacity),
             shadows: Queue::new(shadows),

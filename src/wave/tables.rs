@@ -1,7 +1,8 @@
 //! From a compiled scene to the tables that kernels read.
 
 use super::lights::{LightTables, Sampled};
-use crate::scene::{Bsdf, Material, Mesh, Scene};
+use super::parameters::parameters;
+use crate::scene::{Mesh, Scene};
 use huygens_kernels::tables::{Materials, SLOTS, Tables, Triangles};
 
 /// Material columns and light tables.
@@ -56,21 +57,6 @@ impl SceneTables {
             lights: self.lights.view(scene),
         }
     }
-}
-
-/// The parameters of a material's BSDF, in the slots where its kernel looks for them
-/// (`huygens_kernels::scatter::kinds`).
-fn parameters(material: &Material) -> [f32; SLOTS] {
-    let mut slots = [0.0; SLOTS];
-    if let Bsdf::Diffuse {
-        reflectance,
-        roughness,
-    } = &material.bsdf
-    {
-        slots[..3].copy_from_slice(&reflectance.factor);
-        slots[3] = *roughness;
-    }
-    slots
 }
 
 /// Relative luminance of linear Rec. 709; never 0 for a colour that is not black.
