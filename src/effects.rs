@@ -3,7 +3,7 @@
 //! The wave is assembled from this: a stage, a queue or a kernel that no effect asks for is not
 //! there.
 
-use crate::scene::{Bsdf, Material, Projection, Scene, Sky};
+use crate::scene::{Bsdf, LightKind, Material, Projection, Scene, Sky};
 use crate::settings::{Integrator, Settings, Strategy};
 use serde::Serialize;
 
@@ -83,8 +83,10 @@ pub struct Effects {
     /// By material: what scatters there. Materials that no surface wears call for nothing and count as
     /// plain.
     pub shaders: Vec<Shader>,
-    /// Whether light comes from all around.
-    pub sky: bool,
+    /// Whether rays that leave the scene can find light.
+    pub beyond: bool,
+    /// Whether there are lights that are no surfaces.
+    pub lights: bool,
     /// Whether surfaces emit.
     pub emission: bool,
 }
@@ -105,7 +107,7 @@ impl Effects {
             effects.add("roulette", "setting `roulette`");
         }
         let samples_lights = matches!(settings.strategy, Strategy::Light | Strategy::Mis);
-        if transport && samples_lights && (effects.sky || effects.emission) {
+        if transport && samples_lights && (effects.beyond || effects.lights || effects.emission) {
             effects.add("next-event estimation", "setting `strategy`");
         }
         effects
@@ -131,9 +133,27 @@ impl Effects {
     }
 
     fn light(&mut self, scene: &Scene) {
-        self.sky = scene.sky.is_some_and(|sky: Sky| sky.shines());
-        if self.sky {
-            self.add("sky", "the scene's `sky`");
+        if let Some(sky) = scene.sky.as_ref().filter(|sky| sky.shines()) {
+            self.beyond = true;
+            match sky {
+                Sky::Gradient { .. } => self.add("sky", "the scene's `sky`"),
+                Sky::Map(_) => self.add("environment map", "the scene's `sky`"),
+            }
+        }
+        for light in &scene.lights {
+            let (name, beyond) = match light.kind {
+                LightKind::Point { spot: None, .. } => ("point lights", false),
+                LightKind::Point { .. } => ("spots", false),
+                LightKind::Distant { half_angle, .. } => match half_angle > 0.0 {
+                    true => ("discs in the sky", true),
+                    false => ("parallel light", false),
+                },
+            };
+            self.beyond |= beyond;
+            self.lights = true;
+            if !self.list.iter().any(|effect| effect.name == name) {
+                self.add(name, format!("light `{}`", light.name));
+            }
         }
         let emits = |m: &&Material| m.emits();
         let worn = worn(scene);

@@ -6,8 +6,8 @@
 //! Li(ray, depth) = Le + f(omega_o, omega_i) * cos_theta_i * Li(next ray, depth + 1) / pdf(omega_i)
 //! ```
 //!
-//! with one direction from the hemisphere at every surface, no next-event estimation, no roulette,
-//! no queue and no acceleration structure: every ray is tested against every triangle, so it is
+//! with one direction from the hemisphere at every surface, no next-event estimation but of lights
+//! that no direction finds (all of which are summed over at every surface), no roulette, no queue and no acceleration structure: every ray is tested against every triangle, so it is
 //! for scenes of a few hundred triangles at most. It shares no code with the kernels, on purpose:
 //! triangle test, frame, sampling, filter, camera and random numbers are its own.
 //!
@@ -17,27 +17,24 @@
 //! nothing sees the sky.
 
 mod camera;
+mod lights;
 
 use crate::film::{Job, SampleBuffer};
 use crate::scene::{Filter, Scene};
 use crate::settings::{Settings, Strategy};
 use glam::DVec3;
+use lights::Lights;
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Deepest recursion, at a good 256 bytes a level: within half of a thread's usual stack of 2 MiB.
-/// What is cut at an albedo of 0.99 is below e^-20 of the answer.
-const DEEPEST: u32 = 2048;
 
 /// The reference renderer of one scene.
 #[derive(Debug)]
 pub struct Reference<'a> {
     scene: &'a Scene,
     triangles: Vec<Triangle>,
-    zenith: DVec3,
-    nadir: DVec3,
+    lights: Lights<'a>,
     seed: u32,
     max_depth: u32,
     uniform: bool,
@@ -66,6 +63,19 @@ struct Hit {
 }
 
 impl<'a> Reference<'a> {
+    /// Deepest recursion, at a good 256 bytes a level: within half of a thread's usual stack of 2 MiB.
+    /// What is cut at an albedo of 0.99 is below e^-20 of the answer.
+    pub const DEEPEST: u32 = 2048;
+
+    /// Most triangles for which testing them all is bearable: a few microseconds a ray.
+    const MOST_TRIANGLES: usize = 1024;
+
+    /// Whether the reference renders `scene` in bearable time.
+    #[must_use]
+    pub fn supports(scene: &Scene) -> bool {
+        scene.mesh.triangles() <= Self::MOST_TRIANGLES
+    }
+
     /// Prepares `scene`. Of `settings` it follows `seed`, the depth limit (at most 2048, since each
     /// scattering event is a level of recursion) and `strategy`: `uniform` draws directions
     /// uniformly; all others draw them by the cosine, for the reference looks for light on the
@@ -97,10 +107,9 @@ impl<'a> Reference<'a> {
         Self {
             scene,
             triangles: triangles.collect(),
-            zenith: scene.sky.map_or(DVec3::ZERO, |sky| vector(sky.zenith)),
-            nadir: scene.sky.map_or(DVec3::ZERO, |sky| vector(sky.nadir)),
+            lights: Lights::new(scene),
             seed: settings.seed,
-            max_depth: unbounded.depth_limit().min(DEEPEST),
+            max_depth: unbounded.depth_limit().min(Self::DEEPEST),
             uniform: settings.strategy == Strategy::Uniform,
             // A hit point is off its plane by a few roundings of the largest coordinate: 2^-48 of
             // that covers them sixteenfold, and lies as far below what f32 vertices resolve as
@@ -128,7 +137,7 @@ impl<'a> Reference<'a> {
 
     fn radiance(&self, rng: &mut impl Rng, ray: &Ray, depth: u32) -> DVec3 {
         let Some(hit) = self.closest(ray) else {
-            return self.nadir.lerp(self.zenith, 0.5 + 0.5 * ray.direction.y);
+            return self.lights.beyond(ray.direction);
         };
         let surface = &self.triangles[hit.triangle];
         let front = ray.direction.dot(surface.normal) < 0.0;
@@ -146,13 +155,34 @@ impl<'a> Reference<'a> {
             -surface.normal
         };
         let (omega_i, pdf) = self.sample_hemisphere(rng, normal);
+        let origin = ray.origin + hit.t * ray.direction;
+        let brdf = surface.albedo / PI;
+        let delta = brdf * self.delta_lights(origin, normal, hit.triangle);
         let next = Ray {
-            origin: ray.origin + hit.t * ray.direction,
+            origin,
             direction: omega_i,
             leaves: Some(hit.triangle),
         };
-        let brdf = surface.albedo / PI;
-        emitted + brdf * self.radiance(rng, &next, depth + 1) * (omega_i.dot(normal) / pdf)
+        emitted + delta + brdf * self.radiance(rng, &next, depth + 1) * (omega_i.dot(normal) / pdf)
+    }
+
+    /// Irradiance by the lights that no ray finds, at `origin` on triangle `leaves`.
+    fn delta_lights(&self, origin: DVec3, normal: DVec3, leaves: usize) -> DVec3 {
+        let arriving = self.lights.arriving(origin).map(|light| {
+            let cos = light.direction.dot(normal);
+            let ray = Ray {
+                origin,
+                direction: light.direction,
+                leaves: Some(leaves),
+            };
+            let free = cos > 0.0 && self.closest(&ray).is_none_or(|hit| hit.t >= light.distance);
+            if free {
+                light.irradiance * cos
+            } else {
+                DVec3::ZERO
+            }
+        });
+        arriving.sum()
     }
 
     /// A unit vector on the side of `normal` and its pdf in solid angle, which is positive.

@@ -82,9 +82,9 @@ fn unknown_key_with_a_suggestion() {
 #[test]
 fn unknown_key_like_no_other() {
     assert_eq!(
-        message("[materials.a]\nroughness = 0.1\n"),
-        "s.toml:2:1: unknown key `roughness` in `materials.a`, \
-         expected `albedo`, `emission` or `two_sided`"
+        message("[film]\nwavelength = 0.1\n"),
+        "s.toml:2:1: unknown key `wavelength` in `film`, \
+         expected `width`, `height` or `filter`"
     );
 }
 
@@ -100,7 +100,7 @@ fn unknown_value_with_a_suggestion() {
 fn missing_key() {
     assert_eq!(
         message("[sky]\n"),
-        "s.toml:1:1: sky: missing key `radiance`"
+        "s.toml:1:1: sky: expected exactly one of `radiance`, `map` and `sun`"
     );
 }
 
@@ -413,5 +413,90 @@ fn lenses_that_cannot_be() {
         message(matrix),
         "s.toml:3:12: camera.aperture: a lens needs `focus` or `focus_at` \
          where there is no `target`"
+    );
+}
+
+#[test]
+fn skies_that_contradict_themselves() {
+    assert_eq!(
+        message("[sky]\nradiance = 1\nsun = [0, 1, 0]\n"),
+        "s.toml:1:1: sky: expected exactly one of `radiance`, `map` and `sun`"
+    );
+    assert_eq!(
+        message("[sky]\nradiance = 1\nscale = 2\n"),
+        "s.toml:3:9: sky.scale: a sky of `radiance` has no `scale`"
+    );
+    assert_eq!(
+        message("[sky]\nsun = [0, 1, 0]\nrotate = 2\n"),
+        "s.toml:3:10: sky.rotate: a sky of `sun` has no `rotate`"
+    );
+    assert_eq!(
+        message("[sky]\nsun = [1, -0.1, 0]\n"),
+        "s.toml:2:7: sky.sun: is not above the horizon, expected a sun that is up"
+    );
+    assert_eq!(
+        message("[sky]\nsun = [0, 1, 0]\nturbidity = 1\n"),
+        "s.toml:3:13: sky.turbidity: found 1, expected a number from 2 to 10"
+    );
+    assert_eq!(
+        message("[sky]\nsun = [0, 1, 0]\nup = [0, 0, 0]\n"),
+        "s.toml:3:6: sky.up: found a vector of length 0, expected a direction"
+    );
+}
+
+#[test]
+fn lights_that_are_wrong() {
+    let light = |text: &str| message(&format!("[[lights]]\n{text}\n"));
+    let point = "point = { position = [0, 1, 0] }\n";
+    let sun = "sun = { from = [0, 1, 0] }\n";
+    assert_eq!(
+        light("power = 1"),
+        "s.toml:1:1: lights[0]: expected exactly one of `point`, `spot` and `sun`"
+    );
+    assert_eq!(
+        light(&format!("{point}{sun}power = 1")),
+        "s.toml:1:1: lights[0]: expected exactly one of `point`, `spot` and `sun`"
+    );
+    assert_eq!(
+        light(point),
+        "s.toml:1:1: lights[0]: expected either `power` or `intensity`"
+    );
+    assert_eq!(
+        light(sun),
+        "s.toml:1:1: lights[0]: expected either `irradiance` or `radiance`"
+    );
+    assert_eq!(
+        light(&format!("{point}irradiance = 1")),
+        "s.toml:3:14: lights[0].irradiance: a point and a spot have a `power` or an `intensity`, not \
+         `irradiance`"
+    );
+    assert_eq!(
+        light(&format!("{sun}power = 1")),
+        "s.toml:3:9: lights[0].power: a sun has an `irradiance` or a `radiance`, not `power`"
+    );
+    assert_eq!(
+        light(&format!("{sun}radiance = 1")),
+        "s.toml:3:12: lights[0].radiance: a sun without an `angle` has no `radiance`: expected \
+         `irradiance`"
+    );
+    assert_eq!(
+        light(&format!("{point}power = -1")),
+        "s.toml:3:9: lights[0].power: found -1, expected a finite number of at least 0"
+    );
+    assert_eq!(
+        light("sun = { from = [0, 1, 0], angle = 1e-9 }\nirradiance = 1e30"),
+        "s.toml:3:14: lights[0].irradiance: is beyond 32-bit floats for a light of this angle"
+    );
+    assert_eq!(
+        light("spot = { position = [1, 1, 0], target = [1, 1, 0], angle = 20 }\npower = 1"),
+        "s.toml:2:41: lights[0].spot.target: is where the light stands, expected another point"
+    );
+    assert_eq!(
+        light("spot = { position = [1, 1, 0], target = [1, 0, 0], angle = 180 }\npower = 1"),
+        "s.toml:2:60: lights[0].spot.angle: found 180, expected an angle above 0 and below 180 degrees"
+    );
+    assert_eq!(
+        warnings("[[lights]]\nname = \"dead\"\npoint = { position = [0, 1, 0] }\npower = 0\n")[0],
+        "light `dead` is black: left out"
     );
 }

@@ -116,7 +116,7 @@ fn with_every_sampler() {
 #[test]
 fn under_a_sky() {
     let mut scene = floor_from_above(0.5, Builder::new());
-    scene.sky = Some(Sky {
+    scene.sky = Some(Sky::Gradient {
         zenith: [0.25, 0.5, 1.0],
         nadir: [0.5, 0.25, 0.125],
     });

@@ -249,7 +249,7 @@ fn lamp_under_sky() -> Scene {
         ],
     );
     let mut scene = b.scene(camera_along_z([0.0; 3], -1.0, 0.7), 6, 6);
-    scene.sky = Some(Sky {
+    scene.sky = Some(Sky::Gradient {
         zenith: [0.5, 0.7, 1.0],
         nadir: [0.4, 0.1, 0.0],
     });

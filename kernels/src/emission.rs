@@ -9,7 +9,7 @@
 use crate::accumulate::{add, report};
 use crate::cost::{Cost, columns, item};
 use crate::lanes::{Fx, LANES, Ux, as_mask, first, gather, gather_u32, load_u32, padded};
-use crate::light::{Departure, sky_pdf, sky_radiance, triangle_pdf};
+use crate::light::{Departure, beyond, triangle_pdf};
 use crate::mis::power_heuristic;
 use crate::queues::{Listed, OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
 use crate::surface::{self, Surface};
@@ -84,7 +84,7 @@ pub fn surface_emission<const MIS: bool>(
     }
 }
 
-/// Adds the sky to the listed paths, which left the scene. As [`surface_emission`].
+/// Adds the sky, and discs in it, to the listed paths, which left the scene. As [`surface_emission`].
 pub fn sky_emission<const MIS: bool>(
     listed: Listed,
     tables: &Tables,
@@ -94,9 +94,12 @@ pub fn sky_emission<const MIS: bool>(
     let paths = listed.paths;
     for (_, at, busy) in listed.vectors() {
         let from = Departure::of(&paths, at);
-        let weight = weigh::<MIS>(gather(paths.pdf, at), sky_pdf(tables, &from));
-        let sky = sky_radiance(&tables.lights, from.direction);
-        let value = Vec3x::gather_columns(paths.throughput, at).product(sky) * weight;
+        let pdf = gather(paths.pdf, at);
+        let mut sky = Vec3x::splat([0.0; 3]);
+        beyond(tables, &from, |radiance, light_pdf| {
+            sky += radiance * weigh::<MIS>(pdf, light_pdf);
+        });
+        let value = Vec3x::gather_columns(paths.throughput, at).product(sky);
         let slot = gather_u32(paths.slot, at);
         report(add(radiance, slot, value, busy), slot, &mut dropped);
     }

@@ -18,6 +18,12 @@
 //! *Delta lights* have no pdf in solid angle: [`LightSample::delta`] marks them, and what stands for
 //! the pdf is the probability of their selection. No path finds them.
 
+mod environment;
+mod punctual;
+
+pub use environment::{Environment, UNITS};
+pub use punctual::Punctual;
+
 use crate::hemisphere::{sample_sides, to_world, uniform_pdf};
 use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask, gather, gather_u32, to_f32, to_u32};
 use crate::mis::power_heuristic;
@@ -35,25 +41,41 @@ pub fn area_to_solid_angle(area_pdf: Fx, r2: Fx, cos_l: Fx) -> Fx {
     area_pdf * r2 / cos_l
 }
 
-/// Radiance of the sky from unit `direction`: `nadir + (zenith - nadir) (1 + y) / 2`.
+/// Radiance of a sky without a map from unit `direction`: `nadir + (zenith - nadir) (1 + y) / 2`.
 #[inline(always)]
 #[must_use]
-pub fn sky_radiance(lights: &Lights, direction: Vec3x) -> Vec3x {
+pub fn gradient(lights: &Lights, direction: Vec3x) -> Vec3x {
     let half = Fx::splat(0.5);
     let height = direction.y.mul_add(half, half);
     let nadir = Vec3x::splat(lights.nadir);
     (Vec3x::splat(lights.zenith) - nadir).scale_add(height, nadir)
 }
 
-/// The light that `u0` and `u1` select, both in `[0, 1)`.
+/// In `Lights::source`: what a light is, if it is no triangle: the sky, or `PUNCTUAL | k` for light
+/// `k` of `Lights::punctual`.
+pub const PUNCTUAL: u32 = 1 << 31;
+/// See [`PUNCTUAL`].
+pub const SKY: u32 = u32::MAX;
+
+/// The largest number below 1.
+const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+
+/// The bit mask of all lanes.
+const ALL: u32 = (1 << LANES) - 1;
+
+/// The light that `u0` and `u1` select, both in `[0, 1)`; with it, what is left of `u1`: a number
+/// in `[0, 1)` that does not depend on the light.
 #[inline(always)]
 #[must_use]
-pub fn select_light(keep: &[f32], alias: &[u32], u0: Fx, u1: Fx) -> Ux {
+pub fn select_light(keep: &[f32], alias: &[u32], u0: Fx, u1: Fx) -> (Ux, Fx) {
     let n = keep.len() as u32;
     // u0 n can round up to n.
     let entry = to_u32(u0 * to_f32(Ux::splat(n))).min(Ux::splat(n - 1));
-    let kept = u1.simd_lt(gather(keep, entry));
-    as_bits(kept).select(entry, gather_u32(alias, entry))
+    let keep = gather(keep, entry);
+    let kept = u1.simd_lt(keep);
+    let light = as_bits(kept).select(entry, gather_u32(alias, entry));
+    let rest = kept.select(u1 / keep, (u1 - keep) / (Fx::ONE - keep));
+    (light, rest.fast_min(Fx::splat(BELOW_ONE)))
 }
 
 /// One sample of the light around each of `LANES` surfaces.
@@ -129,11 +151,20 @@ pub fn triangle_pdf(tables: &Tables, _from: &Departure, material: Ux, t: Fx, cos
     area_to_solid_angle(area_pdf, t * t, cos_l)
 }
 
-/// The same for rays that left the scene.
+/// What rays that left the scene find: calls `found` with the radiance of each light there, and the
+/// pdf in solid angle, selection included, with which [`sample_light`] would have drawn it.
 #[inline(always)]
-#[must_use]
-pub fn sky_pdf(tables: &Tables, from: &Departure) -> Fx {
-    Fx::splat(tables.lights.sky_selection) * uniform_pdf(from.both_sides)
+pub fn beyond(tables: &Tables, from: &Departure, mut found: impl FnMut(Vec3x, Fx)) {
+    let lights = &tables.lights;
+    let (radiance, pdf) = match &lights.environment {
+        Some(map) => map.look_up(from.direction),
+        None => (
+            gradient(lights, from.direction),
+            uniform_pdf(from.both_sides),
+        ),
+    };
+    found(radiance, pdf * Fx::splat(lights.sky_selection));
+    punctual::discs(lights.punctual, from, found);
 }
 
 /// Samples a light for the surfaces `anchor`. At least one light must exist. A sample may lie below
@@ -142,36 +173,50 @@ pub fn sky_pdf(tables: &Tables, from: &Departure) -> Fx {
 #[must_use]
 pub fn sample_light(tables: &Tables, anchor: &Anchor, u: [Fx; 4]) -> LightSample {
     let lights = &tables.lights;
-    let light = select_light(lights.keep, lights.alias, u[0], u[1]);
-    let primitive = gather_u32(lights.primitive, light);
-    let is_sky = as_mask(primitive.simd_eq(Ux::splat(NO_PRIMITIVE)));
-    let sky_lanes = is_sky.to_bitmask();
-    if sky_lanes == 0 {
-        return sample_triangle(tables, anchor, primitive, u[2], u[3]);
+    let (light, spare) = select_light(lights.keep, lights.alias, u[0], u[1]);
+    let source = gather_u32(lights.source, light);
+    let on_triangle = as_mask(source.simd_lt(Ux::splat(PUNCTUAL)));
+    let triangles = on_triangle.to_bitmask();
+    if triangles == ALL {
+        return sample_triangle(tables, anchor, source, u[2], u[3]);
     }
-    let sky = sample_sky(tables, anchor, u[2], u[3]);
-    if sky_lanes == (1 << LANES) - 1 {
-        return sky;
+    let is_sky = as_mask(source.simd_eq(Ux::splat(SKY)));
+    let sky = is_sky.to_bitmask();
+    let mut sample = None;
+    if sky != 0 {
+        sample = Some(sample_sky(tables, anchor, u[2], u[3], spare));
     }
-    // Sky lanes borrow some light's triangle so that every look-up is in range.
-    let some = Ux::splat(lights.primitive[0]);
-    let triangle = sample_triangle(
-        tables,
-        anchor,
-        as_bits(is_sky).select(some, primitive),
-        u[2],
-        u[3],
-    );
+    if sky | triangles != ALL {
+        // Lanes of other kinds borrow some light of this one, so that every look-up is in range.
+        let own = !(is_sky | on_triangle);
+        let k = as_bits(own) & source & Ux::splat(!PUNCTUAL);
+        let drawn = punctual::sample(lights.punctual, anchor, k, u[2], u[3]);
+        sample = Some(merge(own, drawn, sample));
+    }
+    if triangles != 0 {
+        // Triangles come first.
+        let some = Ux::splat(lights.source[0]);
+        let primitive = as_bits(on_triangle).select(source, some);
+        let drawn = sample_triangle(tables, anchor, primitive, u[2], u[3]);
+        sample = Some(merge(on_triangle, drawn, sample));
+    }
+    sample.expect("each lane's light is of some kind")
+}
+
+/// `a` where `mask` is true, else `b`, if there is one.
+#[inline(always)]
+fn merge(mask: Mask, a: LightSample, b: Option<LightSample>) -> LightSample {
+    let Some(b) = b else { return a };
     LightSample {
-        origin: Vec3x::select(is_sky, sky.origin, triangle.origin),
-        segment: Vec3x::select(is_sky, sky.segment, triangle.segment),
-        t_max: is_sky.select(sky.t_max, triangle.t_max),
-        primitive,
-        direction: Vec3x::select(is_sky, sky.direction, triangle.direction),
-        radiance: Vec3x::select(is_sky, sky.radiance, triangle.radiance),
-        pdf: is_sky.select(sky.pdf, triangle.pdf),
-        delta: sky.delta,
-        valid: is_sky.select(sky.valid, triangle.valid),
+        origin: Vec3x::select(mask, a.origin, b.origin),
+        segment: Vec3x::select(mask, a.segment, b.segment),
+        t_max: mask.select(a.t_max, b.t_max),
+        primitive: as_bits(mask).select(a.primitive, b.primitive),
+        direction: Vec3x::select(mask, a.direction, b.direction),
+        radiance: Vec3x::select(mask, a.radiance, b.radiance),
+        pdf: mask.select(a.pdf, b.pdf),
+        delta: mask.select(a.delta, b.delta),
+        valid: mask.select(a.valid, b.valid),
     }
 }
 
@@ -210,18 +255,28 @@ fn sample_triangle(tables: &Tables, anchor: &Anchor, primitive: Ux, u: Fx, v: Fx
 }
 
 #[inline(always)]
-fn sample_sky(tables: &Tables, anchor: &Anchor, u: Fx, v: Fx) -> LightSample {
-    let direction = to_world(anchor.normal, sample_sides(u, v, anchor.both_sides));
+fn sample_sky(tables: &Tables, anchor: &Anchor, u: Fx, v: Fx, spare: Fx) -> LightSample {
     let lights = &tables.lights;
+    let (direction, radiance, pdf) = match &lights.environment {
+        Some(map) => map.sample(u, v, spare),
+        None => {
+            let local = sample_sides(u, v, anchor.both_sides);
+            let direction = to_world(anchor.normal, local);
+            let radiance = gradient(lights, direction);
+            (direction, radiance, uniform_pdf(anchor.both_sides))
+        }
+    };
+    let pdf = pdf * Fx::splat(lights.sky_selection);
+    let above = anchor.both_sides | anchor.normal.dot(direction).simd_gt(Fx::ZERO);
     LightSample {
         origin: anchor.start(direction),
         segment: direction,
         t_max: Fx::splat(f32::INFINITY),
         primitive: Ux::splat(NO_PRIMITIVE),
         direction,
-        radiance: sky_radiance(lights, direction),
-        pdf: Fx::splat(lights.sky_selection) * uniform_pdf(anchor.both_sides),
+        radiance,
+        pdf,
         delta: Fx::ZERO,
-        valid: anchor.both_sides | anchor.normal.dot(direction).simd_gt(Fx::ZERO),
+        valid: above & pdf.simd_gt(Fx::ZERO),
     }
 }

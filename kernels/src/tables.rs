@@ -1,6 +1,7 @@
 //! The scene as kernels see it: slices of tables.
 
 use crate::lanes::{Fx, Ux, gather};
+use crate::light::{Environment, Punctual};
 use crate::vec3::{Columns, Vec3x};
 
 /// Most parameters that a kind of BSDF has.
@@ -29,7 +30,7 @@ pub struct Triangles<'a> {
 }
 
 /// Material tables, one element a material.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Materials<'a> {
     /// Diffuse reflectance; of other kinds, their colour in one word.
     pub albedo: Columns<'a>,
@@ -45,16 +46,20 @@ pub struct Materials<'a> {
     pub area_pdf: &'a [f32],
 }
 
-/// Light tables: emissive triangles, then the sky if there is one.
+/// Light tables: emissive triangles, then lights of no area, then the sky if there is one.
 #[derive(Clone, Copy, Debug)]
 pub struct Lights<'a> {
     /// Alias method: probability to keep entry `i`.
     pub keep: &'a [f32],
     /// Alias method: what entry `i` stands for otherwise.
     pub alias: &'a [u32],
-    /// Triangle of light `i`; `NO_PRIMITIVE` for the sky.
-    pub primitive: &'a [u32],
-    /// Radiance of the sky from straight above (+y); black if there is no sky.
+    /// What light `i` is: a triangle by its index, or one of `light`'s marks.
+    pub source: &'a [u32],
+    /// Lights of no area.
+    pub punctual: &'a [Punctual],
+    /// The sky's map, if it has one.
+    pub environment: Option<Environment<'a>>,
+    /// Radiance of a sky without a map from straight above (+y); black if there is no sky.
     pub zenith: [f32; 3],
     /// Radiance of the sky from straight below.
     pub nadir: [f32; 3],

@@ -5,7 +5,7 @@ mod common;
 
 use common::{CORNERS, Source, Suite};
 use huygens_kernels::lanes::{Fx, LANES};
-use huygens_kernels::light::{LightSample, sample_light, select_light};
+use huygens_kernels::light::{LightSample, SKY, sample_light, select_light};
 use huygens_kernels::mis::power_heuristic;
 use huygens_kernels::rays::NO_PRIMITIVE;
 use huygens_kernels::surface::Anchor;
@@ -111,15 +111,17 @@ impl Scene {
             },
             materials: Materials {
                 albedo,
-                parameters: [&[0.0; 2]; huygens_kernels::tables::SLOTS],
                 emission: [&[1.0, 2.0], &[3.0, 4.0], &[5.0, 6.0]],
                 two_sided: &[0, u32::MAX],
                 area_pdf: &self.area_pdf,
+                ..Materials::default()
             },
             lights: Lights {
                 keep: &self.keep,
                 alias: &self.alias,
-                primitive: &[0, 1, 2, NO_PRIMITIVE],
+                source: &[0, 1, 2, SKY],
+                punctual: &[],
+                environment: None,
                 zenith: ZENITH.map(|c| c as f32),
                 nadir: NADIR.map(|c| c as f32),
                 sky_selection: self.sky_selection,
@@ -160,7 +162,7 @@ fn lights_are_selected_by_their_weight() {
         let mut source = Source(3);
         let mut observed = vec![0u64; weights.len()];
         for _ in 0..DRAWS / LANES {
-            let light = select_light(&keep, &alias, source.unit_lanes(), source.unit_lanes());
+            let light = select_light(&keep, &alias, source.unit_lanes(), source.unit_lanes()).0;
             light
                 .to_array()
                 .into_iter()
@@ -186,7 +188,11 @@ fn the_ends_of_the_unit_interval_select_lights_that_exist() {
     for n in [1usize, 3, 1000, 65_537, (1 << 20) + 1] {
         let (keep, alias) = (vec![0.5f32; n], vec![0u32; n]);
         for u0 in CORNERS {
-            let light = select_light(&keep, &alias, Fx::splat(u0), Fx::new(CORNERS));
+            let (light, rest) = select_light(&keep, &alias, Fx::splat(u0), Fx::new(CORNERS));
+            assert!(
+                rest.to_array().iter().all(|r| (0.0..1.0).contains(r)),
+                "{rest}"
+            );
             for (light, u1) in light.to_array().into_iter().zip(CORNERS) {
                 let entry = ((f64::from(u0) * n as f64) as u32).min(n as u32 - 1);
                 let expected = if u1 < 0.5 { entry } else { 0 };
@@ -324,10 +330,10 @@ fn a_back_that_does_not_emit_is_no_valid_sample() {
     let mut source = Source(9);
     let materials = Materials {
         albedo: [&[0.5; 2]; 3],
-        parameters: [&[0.0; 2]; huygens_kernels::tables::SLOTS],
         emission: [&[1.0; 2]; 3],
         two_sided: &[0, 0],
         area_pdf: &scene.area_pdf,
+        ..Materials::default()
     };
     let tables = Tables {
         triangles: Triangles {
@@ -339,7 +345,9 @@ fn a_back_that_does_not_emit_is_no_valid_sample() {
         lights: Lights {
             keep: &[1.0],
             alias: &[0],
-            primitive: &[2],
+            source: &[2],
+            punctual: &[],
+            environment: None,
             zenith: [0.0; 3],
             nadir: [0.0; 3],
             sky_selection: 0.0,
@@ -366,11 +374,14 @@ fn where_light_passes_through_the_sky_is_sampled_all_around_and_rays_start_on_it
             emission: [&[1.0; 2]; 3],
             two_sided: &[u32::MAX; 2],
             area_pdf: &[0.0; 2],
+            ..Materials::default()
         },
         lights: Lights {
             keep: &[1.0],
             alias: &[0],
-            primitive: &[NO_PRIMITIVE],
+            source: &[SKY],
+            punctual: &[],
+            environment: None,
             zenith: [1.0; 3],
             nadir: [1.0; 3],
             sky_selection: 0.5,

@@ -2,22 +2,28 @@
 
 use super::builder::Builder;
 use super::camera;
-use super::compiled::{FilmSpec, Scene, Sky};
+use super::compiled::{FilmSpec, Scene};
 use super::description::{self, Description};
 use super::error::SceneError;
 use super::hash;
 use super::import::Imported;
+use super::import::panorama::Pixels;
+use super::light::Sky;
+use super::lights;
 use super::load::GeometryFile;
 use super::material::Material;
 use super::shapes::Shapes;
+use super::surfaces::{Surfaces, bind};
+use super::texture::Store;
 use super::toml::SceneFile;
-use super::values::{NonNegative, OneOrThree, Unit};
+use super::values::{NonNegative, OneOrThree};
 use crate::settings::{Integrator, Settings};
 use glam::DAffine3;
 use std::path::Path;
 
 /// What can be told to be wrong before the geometry is there, shapes apart.
 pub(super) fn check(file: &SceneFile, said: &Description) -> Result<(), SceneError> {
+    lights::check(file, said)?;
     match &said.camera {
         Some(camera) => {
             let film = film(Some(&said.film));
@@ -33,10 +39,20 @@ pub(super) fn native(
     said: &Description,
     files: &[GeometryFile],
     imported: Vec<Imported>,
+    surfaces: Surfaces,
+    mut store: Store,
+    map: Option<Pixels>,
 ) -> Result<Scene, SceneError> {
     let path = &file.path;
     let film = film(Some(&said.film));
-    let mut shapes = Shapes::new(file, said, files, imported);
+    let Surfaces {
+        mut materials,
+        wanted,
+        mut warnings,
+    } = surfaces;
+    bind(file, &mut materials, &wanted, &mut store, &mut warnings)?;
+    let mut shapes = Shapes::new(file, &materials, files, imported);
+    shapes.warnings = warnings;
     for shape in &said.shapes {
         shapes.add(shape)?;
     }
@@ -45,19 +61,19 @@ pub(super) fn native(
         Some(camera) => camera::compile(camera.get_ref(), camera.span(), film, file)?,
         None => camera::framing(mesh, film).ok_or_else(|| too_large(path))?,
     };
-    let sky = said.sky.as_ref().map(|sky| Sky {
-        zenith: radiance(sky.radiance),
-        nadir: radiance(sky.nadir.unwrap_or(sky.radiance)),
-    });
+    let (sky, sun) = lights::sky(file, said, map)?;
+    let mut lights = lights::lights(file, said, &mut shapes.warnings)?;
+    lights.extend(sun);
     Ok(finish(Scene {
         name: said.name.clone().unwrap_or_else(|| stem(path)),
         hash: [0; 32],
         camera,
         film,
         sky,
+        lights,
         settings: settings(&said.settings),
         materials: shapes.materials,
-        textures: Vec::new(),
+        textures: store.finish(),
         warnings: with_dropped(shapes.warnings, &shapes.builder),
         mesh: shapes.builder.mesh,
     }))
@@ -65,13 +81,17 @@ pub(super) fn native(
 
 /// The sky over a bare file without light. Darker from below: under a constant sky a white model
 /// would have the sky's own colour everywhere and be invisible before it.
-const SOFT_SKY: Sky = Sky {
+const SOFT_SKY: Sky = Sky::Gradient {
     zenith: [1.5; 3],
     nadir: [0.3; 3],
 };
 
 /// Compiles a bare file of geometry: a camera that frames it, and a soft sky if it brings no light.
-pub(super) fn bare(path: &Path, imported: Vec<Imported>) -> Result<Scene, SceneError> {
+pub(super) fn bare(
+    path: &Path,
+    imported: Vec<Imported>,
+    store: Store,
+) -> Result<Scene, SceneError> {
     let mut builder = Builder::default();
     let (mut materials, mut warnings) = (Vec::new(), Vec::new());
     for mut imported in imported {
@@ -89,9 +109,10 @@ pub(super) fn bare(path: &Path, imported: Vec<Imported>) -> Result<Scene, SceneE
         camera,
         film,
         sky: None,
+        lights: Vec::new(),
         settings: Settings::default(),
         materials,
-        textures: Vec::new(),
+        textures: store.finish(),
         warnings: with_dropped(warnings, &builder),
         mesh: builder.mesh,
     };
@@ -114,8 +135,8 @@ fn finish(mut scene: Scene) -> Scene {
         scene.settings.integrator,
         Integrator::Path | Integrator::Direct | Integrator::Reference
     );
-    let sky_shines = scene.sky.is_some_and(|sky| sky.shines());
-    if needs_light && !sky_shines && !emits(&scene) {
+    let sky_shines = scene.sky.as_ref().is_some_and(Sky::shines);
+    if needs_light && !sky_shines && scene.lights.is_empty() && !emits(&scene) {
         let message = "no light: neither a sky nor a surface emits, so the image will be black";
         scene.warnings.push(message.to_owned());
     }
@@ -175,19 +196,6 @@ fn settings(said: &description::Settings) -> Settings {
     }
 }
 
-/// The materials that a scene file names.
-pub(super) fn materials(said: &Description) -> Vec<Material> {
-    let material = |(name, m): (&String, &description::Material)| Material {
-        two_sided: m.two_sided,
-        ..Material::diffuse(name, reflectance(m.albedo), radiance(m.emission))
-    };
-    said.materials.iter().map(material).collect()
-}
-
-fn reflectance(colour: OneOrThree<Unit>) -> [f32; 3] {
-    colour.0.map(|c| c.0 as f32)
-}
-
-fn radiance(colour: OneOrThree<NonNegative>) -> [f32; 3] {
+pub(super) fn radiance(colour: OneOrThree<NonNegative>) -> [f32; 3] {
     colour.0.map(|c| c.0 as f32)
 }

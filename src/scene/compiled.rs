@@ -1,5 +1,6 @@
 //! A scene as the kernels read it: flat tables, world space, linear Rec. 709 colours.
 
+use super::light::{Light, Sky};
 use super::material::Material;
 use super::texture::Texture;
 use crate::settings::Settings;
@@ -24,6 +25,8 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// The sky around the scene, if there is one.
     pub sky: Option<Sky>,
+    /// Lights that are no surfaces.
+    pub lights: Vec<Light>,
     /// Settings of the scene's file over the defaults.
     pub settings: Settings,
     /// Fallbacks taken while loading, each once, in the order met.
@@ -66,41 +69,6 @@ impl Mesh {
     #[must_use]
     pub fn corners(&self, i: usize) -> [[f32; 3]; 3] {
         self.indices[i].map(|v| self.vertices[v as usize])
-    }
-}
-
-/// Light from all around, without end: its radiance (W/m^2/sr) goes linearly with the height of the
-/// direction, from `nadir` straight below (-y) to `zenith` straight above (+y).
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, bytemuck::NoUninit)]
-pub struct Sky {
-    /// From straight above; each channel finite and >= 0.
-    pub zenith: [f32; 3],
-    /// From straight below; each channel finite and >= 0.
-    pub nadir: [f32; 3],
-}
-
-impl Sky {
-    /// The same radiance from everywhere.
-    #[must_use]
-    pub const fn constant(radiance: [f32; 3]) -> Self {
-        Self {
-            zenith: radiance,
-            nadir: radiance,
-        }
-    }
-
-    /// Mean radiance over all directions: since the height of a uniform direction is uniform
-    /// (Archimedes), that of the horizon.
-    #[must_use]
-    pub fn mean(&self) -> [f32; 3] {
-        std::array::from_fn(|c| 0.5 * (self.zenith[c] + self.nadir[c]))
-    }
-
-    /// Whether there is any light in it.
-    #[must_use]
-    pub fn shines(&self) -> bool {
-        self.mean().iter().any(|&c| c > 0.0)
     }
 }
 

@@ -3,9 +3,11 @@
 
 use super::compiled::Filter;
 use super::import::{Counts, Format};
+use super::surfaces::Material;
 use super::transform::Transform;
 use super::values::{
-    Count, FieldOfView, Finite, Natural, NonNegative, OneOrThree, Pixels, Positive, Radius, Unit,
+    Angle, Count, FieldOfView, Finite, Natural, NonNegative, OneOrThree, Pixels, Positive, Radius,
+    Turbidity, Unit,
 };
 use crate::settings::{Integrator, Preset, Sampler, Strategy};
 use serde::Deserialize;
@@ -21,8 +23,9 @@ pub(super) struct Description {
     pub(super) camera: Option<Spanned<Camera>>,
     pub(super) film: Film,
     pub(super) settings: Settings,
-    pub(super) sky: Option<Sky>,
-    pub(super) materials: BTreeMap<String, Material>,
+    pub(super) sky: Option<Spanned<Sky>>,
+    pub(super) lights: Vec<Spanned<Light>>,
+    pub(super) materials: BTreeMap<String, Spanned<Material>>,
     pub(super) shapes: Vec<Spanned<Shape>>,
 }
 
@@ -100,33 +103,66 @@ pub(super) struct Settings {
     pub(super) bvh: Option<Preset>,
 }
 
-/// `[sky]`
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// `[sky]`: one of `radiance`, `map` and `sun`, which `lights` checks.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 #[serde(expecting = "a table such as { radiance = 1 }")]
 pub(super) struct Sky {
-    pub(super) radiance: OneOrThree<NonNegative>,
-    pub(super) nadir: Option<OneOrThree<NonNegative>>,
+    pub(super) radiance: Option<OneOrThree<NonNegative>>,
+    pub(super) nadir: Option<Spanned<OneOrThree<NonNegative>>>,
+    pub(super) map: Option<Spanned<String>>,
+    pub(super) scale: Option<Spanned<OneOrThree<NonNegative>>>,
+    pub(super) rotate: Option<Spanned<Finite>>,
+    pub(super) up: Option<Spanned<[Finite; 3]>>,
+    pub(super) sun: Option<Spanned<[Finite; 3]>>,
+    pub(super) turbidity: Option<Spanned<Turbidity>>,
+    pub(super) ground: Option<Spanned<OneOrThree<Unit>>>,
+    pub(super) disc: Option<Spanned<bool>>,
 }
 
-/// `[materials.NAME]`
-#[derive(Debug, Deserialize)]
+/// `[[lights]]`: exactly one of the first three, and of the last four, which `lights` checks.
+#[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-#[serde(expecting = "a table such as { albedo = 0.5 }")]
-pub(super) struct Material {
-    pub(super) albedo: OneOrThree<Unit>,
-    pub(super) emission: OneOrThree<NonNegative>,
-    pub(super) two_sided: bool,
+#[serde(expecting = "a table such as { point = { position = [0, 2, 0] }, power = 60 }")]
+pub(super) struct Light {
+    pub(super) point: Option<Point>,
+    pub(super) spot: Option<Spot>,
+    pub(super) sun: Option<Sun>,
+    pub(super) name: Option<String>,
+    pub(super) power: Option<Spanned<OneOrThree<NonNegative>>>,
+    pub(super) intensity: Option<Spanned<OneOrThree<NonNegative>>>,
+    pub(super) irradiance: Option<Spanned<OneOrThree<NonNegative>>>,
+    pub(super) radiance: Option<Spanned<OneOrThree<NonNegative>>>,
 }
 
-impl Default for Material {
-    fn default() -> Self {
-        Self {
-            albedo: OneOrThree([Unit(0.5); 3]),
-            emission: OneOrThree([NonNegative(0.0); 3]),
-            two_sided: false,
-        }
-    }
+/// Light from a point.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[serde(expecting = "a table of `position`")]
+pub(super) struct Point {
+    pub(super) position: [Finite; 3],
+}
+
+/// Light from a point within a cone.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[serde(expecting = "a table of `position`, `target` and `angle`")]
+pub(super) struct Spot {
+    pub(super) position: [Finite; 3],
+    pub(super) target: Spanned<[Finite; 3]>,
+    pub(super) angle: FieldOfView,
+    #[serde(default)]
+    pub(super) blend: Option<Unit>,
+}
+
+/// Light from very far away.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[serde(expecting = "a table of `from` and `angle`")]
+pub(super) struct Sun {
+    pub(super) from: Spanned<[Finite; 3]>,
+    #[serde(default)]
+    pub(super) angle: Option<Angle>,
 }
 
 /// `[[shapes]]`: exactly one of the first five, which `shapes` checks.

@@ -1,6 +1,7 @@
 //! The identity of a scene: two files of one hash give one image for equal settings.
 
 use super::compiled::{Extent, Filter, Projection, Scene};
+use super::light::{LightKind, Sky};
 use super::material::{Bsdf, Material, Textured};
 
 /// BLAKE3 of the tables that the image depends on, in a fixed order, each with its length. Names,
@@ -71,7 +72,39 @@ pub(super) fn of(scene: &Scene) -> [u8; 32] {
         table(format!("{how:?}").as_bytes());
         table(bytemuck::cast_slice(&texture.words));
     }
-    table(bytemuck::cast_slice(scene.sky.as_slice()));
+    match &scene.sky {
+        None => table(&[]),
+        Some(Sky::Gradient { zenith, nadir }) => table(bytemuck::cast_slice(&[*zenith, *nadir])),
+        Some(Sky::Map(map)) => {
+            table(bytemuck::cast_slice(&[map.width, map.height]));
+            table(bytemuck::cast_slice(&map.frame));
+            table(bytemuck::cast_slice(&map.texels));
+        }
+    }
+    for light in &scene.lights {
+        match light.kind {
+            LightKind::Point {
+                position,
+                intensity,
+                spot,
+            } => {
+                table(bytemuck::cast_slice(&[position, intensity]));
+                if let Some(spot) = spot {
+                    table(bytemuck::cast_slice(&spot.axis));
+                    table(bytemuck::cast_slice(&[spot.dark, spot.full]));
+                }
+            }
+            LightKind::Distant {
+                from,
+                irradiance,
+                half_angle,
+            } => {
+                table(b"distant");
+                table(bytemuck::cast_slice(&[from, irradiance]));
+                table(&half_angle.to_le_bytes());
+            }
+        }
+    }
     *hasher.finalize().as_bytes()
 }
 

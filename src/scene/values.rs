@@ -71,6 +71,16 @@ number!(
     FieldOfView, "an angle above 0 and below 180 degrees", |x| x > 0.0 && x < 180.0
 );
 
+number!(
+    /// The angle that a disc in the sky subtends, in degrees.
+    Angle, "an angle of 0 to 180 degrees", |x| (0.0..=180.0).contains(&x)
+);
+
+number!(
+    /// How hazy a clear sky is.
+    Turbidity, "a number from 2 to 10", |x| (2.0..=10.0).contains(&x)
+);
+
 /// Declares a type of whole number within u32.
 macro_rules! whole {
     ($(#[$doc:meta])* $name:ident, $expected:literal, $range:expr) => {

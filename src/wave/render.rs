@@ -59,10 +59,10 @@ pub fn render_with(
         let workers = scheduler::run(film, settings, control, worker);
         Accounts::new(workers.into_iter().map(|(o, s)| (o.account, s)), start)
     } else {
-        let tables = SceneTables::new(scene);
-        let filter = filter::table(scene.film.filter);
+        let tables = SceneTables::new(scene, settings.strategy.into());
+        let filter = filter::shared_table(scene.film.filter);
         let effects = Effects::of(scene, settings);
-        let setup = Setup::new(scene, &effects, &tables, geometry, settings, &filter);
+        let setup = Setup::new(scene, &effects, &tables, geometry, settings, filter);
         let worker = || Wave::new(&setup, instruments, start);
         let workers = scheduler::run(film, settings, control, worker);
         Accounts::new(workers.into_iter().map(|(w, s)| (w.account, s)), start)

@@ -45,7 +45,7 @@ impl<'a> Setup<'a> {
         let program = Program::new(
             settings.integrator,
             settings.strategy,
-            scene_tables.has_lights(),
+            scene_tables.lights.any(),
             settings.ao_distance.unwrap_or(tenth),
         );
         let limit = if program.is_transport() {
@@ -77,6 +77,7 @@ impl<'a> Setup<'a> {
             wanted: program.wanted(effects),
             rules: Rules {
                 random: settings.roulette,
+                gain: settings.survival,
                 limit,
                 last_ray: program.last_ray_is_of_use(),
             },

@@ -22,10 +22,9 @@ use huygens_kernels::tables::Tables;
 /// What a render does at surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Program {
-    /// Directions with pdf 1 / (2 pi).
-    Uniform,
-    /// Directions with pdf cos / pi.
-    Cosine,
+    /// Directions with pdf 1 / (2 pi), or with pdf cos / pi; `delta` lights, which these never find,
+    /// are sampled all the same, so that every strategy gives one image.
+    Blind { uniform: bool, delta: bool },
     /// Cosine directions to go on, lights found by sampling them.
     Light,
     /// Cosine directions and light samples, weighted.
@@ -37,7 +36,7 @@ pub(crate) enum Program {
 }
 
 impl Program {
-    /// The program of an integrator and a strategy, for a scene with or without lights to sample.
+    /// The program of an integrator and a strategy, for a scene with or without lights that it samples.
     pub(crate) fn new(
         integrator: Integrator,
         strategy: Strategy,
@@ -46,10 +45,15 @@ impl Program {
     ) -> Self {
         match integrator {
             Integrator::Path | Integrator::Direct | Integrator::Reference => match strategy {
-                Strategy::Uniform => Self::Uniform,
+                Strategy::Uniform | Strategy::Cosine => Self::Blind {
+                    uniform: strategy == Strategy::Uniform,
+                    delta: has_lights,
+                },
                 // Nothing to sample: what is left of both is the cosine.
-                Strategy::Light | Strategy::Mis if !has_lights => Self::Cosine,
-                Strategy::Cosine => Self::Cosine,
+                Strategy::Light | Strategy::Mis if !has_lights => Self::Blind {
+                    uniform: false,
+                    delta: false,
+                },
                 Strategy::Light => Self::Light,
                 Strategy::Mis => Self::Mis,
             },
@@ -65,12 +69,15 @@ impl Program {
 
     /// Whether a ray that scatters no more can still find light that counts, whatever its pdf.
     pub(crate) fn last_ray_is_of_use(self) -> bool {
-        matches!(self, Self::Uniform | Self::Cosine | Self::Mis)
+        matches!(self, Self::Blind { .. } | Self::Mis)
     }
 
     /// Whether next-event estimation is in use.
     pub(crate) fn samples_lights(self) -> bool {
-        matches!(self, Self::Light | Self::Mis)
+        matches!(
+            self,
+            Self::Light | Self::Mis | Self::Blind { delta: true, .. }
+        )
     }
 
     /// Whether surfaces are looked at whatever the maximum depth.
@@ -85,7 +92,7 @@ impl Program {
             // Where nothing is, nothing occludes.
             sky: match self {
                 Self::Ambient { .. } => true,
-                _ => transport && effects.sky,
+                _ => transport && effects.beyond,
             },
             emission: transport && effects.emission,
             unsampled_only: self == Self::Light,
@@ -135,13 +142,21 @@ pub(crate) fn plain(
     dropped: impl FnMut(u32),
 ) {
     match program {
-        Program::Uniform => {
-            with_sampler!(sampler, s => scatter::<Uniform, NoLights, _>(listed, tables, s, out));
+        Program::Blind {
+            uniform: true,
+            delta: false,
+        } => with_sampler!(sampler, s => scatter::<Uniform, NoLights, _>(listed, tables, s, out)),
+        Program::Blind {
+            uniform: false,
+            delta: false,
+        } => with_sampler!(sampler, s => scatter::<Cosine, NoLights, _>(listed, tables, s, out)),
+        Program::Blind {
+            uniform: true,
+            delta: true,
+        } => {
+            with_sampler!(sampler, s => scatter::<Uniform, LightsAlone, _>(listed, tables, s, out))
         }
-        Program::Cosine => {
-            with_sampler!(sampler, s => scatter::<Cosine, NoLights, _>(listed, tables, s, out));
-        }
-        Program::Light => {
+        Program::Light | Program::Blind { delta: true, .. } => {
             with_sampler!(sampler, s => scatter::<Cosine, LightsAlone, _>(listed, tables, s, out));
         }
         Program::Mis => {

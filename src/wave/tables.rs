@@ -1,29 +1,26 @@
 //! From a compiled scene to the tables that kernels read.
 
-use crate::scene::{Bsdf, Material, Mesh, Scene, Sky};
-use huygens_kernels::rays::NO_PRIMITIVE;
-use huygens_kernels::tables::{Lights, Materials, SLOTS, Tables, Triangles};
+use super::lights::{LightTables, Sampled};
+use crate::scene::{Bsdf, Material, Mesh, Scene};
+use huygens_kernels::tables::{Materials, SLOTS, Tables, Triangles};
 
-/// Material and light columns, and what selects a light.
+/// Material columns and light tables.
 #[derive(Debug, Default)]
 pub(crate) struct SceneTables {
     albedo: [Vec<f32>; 3],
     parameters: [Vec<f32>; SLOTS],
     emission: [Vec<f32>; 3],
     two_sided: Vec<u32>,
-    area_pdf: Vec<f32>,
-    keep: Vec<f32>,
-    alias: Vec<u32>,
-    primitive: Vec<u32>,
-    sky_selection: f32,
+    pub(crate) lights: LightTables,
 }
 
 impl SceneTables {
-    /// The tables of `scene`. Lights are selected by power: `pi * area * sides * luminance` of a
-    /// triangle, `4 pi^2 r^2 * mean luminance` of the sky over a scene of bounding radius `r` (the
-    /// flux through that sphere; *PBRT* 4th ed., 12.5).
-    pub(crate) fn new(scene: &Scene) -> Self {
-        let mut tables = Self::default();
+    /// The tables of `scene`, of whose lights next-event estimation samples `sampled`.
+    pub(crate) fn new(scene: &Scene, sampled: Sampled) -> Self {
+        let mut tables = Self {
+            lights: LightTables::new(scene, sampled),
+            ..Self::default()
+        };
         for m in &scene.materials {
             let albedo = m.albedo(&scene.materials);
             for c in 0..3 {
@@ -37,39 +34,7 @@ impl SceneTables {
                 .two_sided
                 .push(if m.two_sided { u32::MAX } else { 0 });
         }
-        let exitance: Vec<f64> = scene
-            .materials
-            .iter()
-            .map(|m| {
-                luminance(m.emission.factor) * std::f64::consts::PI * (1.0 + f64::from(m.two_sided))
-            })
-            .collect();
-        let mut powers = Vec::new();
-        for (i, &m) in scene.mesh.material.iter().enumerate() {
-            if exitance[m as usize] > 0.0 {
-                tables.primitive.push(i as u32);
-                powers.push(exitance[m as usize] * area(scene.mesh.corners(i)));
-            }
-        }
-        if let Some(sky) = scene.sky.filter(Sky::shines) {
-            tables.primitive.push(NO_PRIMITIVE);
-            let r = 0.5 * diagonal(&scene.mesh);
-            let power = 4.0 * std::f64::consts::PI.powi(2) * r * r * luminance(sky.mean());
-            // Without geometry there is nothing to light and r is 0.
-            powers.push(power.max(f64::MIN_POSITIVE));
-        }
-        let total: f64 = powers.iter().sum();
-        tables.area_pdf = exitance.iter().map(|&e| ratio(e, total)).collect();
-        if tables.primitive.last() == Some(&NO_PRIMITIVE) {
-            tables.sky_selection = ratio(powers[powers.len() - 1], total);
-        }
-        (tables.keep, tables.alias) = alias_table(&powers);
         tables
-    }
-
-    /// Whether next-event estimation has anything to sample.
-    pub(crate) fn has_lights(&self) -> bool {
-        !self.primitive.is_empty()
     }
 
     /// The view that kernels take.
@@ -86,16 +51,9 @@ impl SceneTables {
                 parameters: self.parameters.each_ref().map(|column| &column[..]),
                 emission: columns(&self.emission),
                 two_sided: &self.two_sided,
-                area_pdf: &self.area_pdf,
+                area_pdf: &self.lights.area_pdf,
             },
-            lights: Lights {
-                keep: &self.keep,
-                alias: &self.alias,
-                primitive: &self.primitive,
-                zenith: scene.sky.map_or([0.0; 3], |sky| sky.zenith),
-                nadir: scene.sky.map_or([0.0; 3], |sky| sky.nadir),
-                sky_selection: self.sky_selection,
-            },
+            lights: self.lights.view(scene),
         }
     }
 }
@@ -113,11 +71,6 @@ fn parameters(material: &Material) -> [f32; SLOTS] {
         slots[3] = *roughness;
     }
     slots
-}
-
-/// `a / total`, 0 where there is no total.
-fn ratio(a: f64, total: f64) -> f32 {
-    if total > 0.0 { (a / total) as f32 } else { 0.0 }
 }
 
 /// Relative luminance of linear Rec. 709; never 0 for a colour that is not black.

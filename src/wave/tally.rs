@@ -79,12 +79,11 @@ pub(crate) fn for_each_run(bounces: &[u32], mut run: impl FnMut(u32, std::ops::R
 #[cfg(test)]
 mod tests {
     use super::*;
-    use huygens_kernels::queues::LAST_RAY;
 
     #[test]
     fn runs_cover_the_column_in_order_and_ignore_the_last_ray_mark() {
         let mut column = vec![5; 70];
-        column.extend([3, 3, 3 | LAST_RAY, 2]);
+        column.extend([3, 3, 3 | MARKS, 2]);
         column.extend([0; 33]);
         let mut runs = Vec::new();
         for_each_run(&column, |b, r| runs.push((b, r)));

@@ -82,6 +82,7 @@ impl Builder {
             materials: self.materials,
             textures: Vec::new(),
             sky: None,
+            lights: Vec::new(),
             settings: Settings::default(),
             warnings: Vec::new(),
         }

@@ -176,8 +176,28 @@ fn lights(scene: &Scene, materials: &[MaterialContents], bounds: &Bounds) -> Vec
             power: m.emission.map(|l| PI * m.area * sides * f64::from(l)),
         }
     };
-    let sky = scene.sky.map(|sky| Light {
-        kind: "sky",
+    let punctual = scene.lights.iter().map(|light| Light {
+        kind: match light.kind {
+            scene::LightKind::Point { spot: None, .. } => "point",
+            scene::LightKind::Point { .. } => "spot",
+            scene::LightKind::Distant { .. } => "sun",
+        },
+        name: light.name.clone(),
+        triangles: 0,
+        radiance: match light.kind.extent() {
+            0.0 => [0.0; 3],
+            _ => light.kind.radiance().map(|l| l as f32),
+        },
+        power: light
+            .kind
+            .colour()
+            .map(|c| f64::from(c) * light.kind.power_factor(bounds.radius2().sqrt())),
+    });
+    let sky = scene.sky.as_ref().map(|sky| Light {
+        kind: match sky {
+            scene::Sky::Gradient { .. } => "sky",
+            scene::Sky::Map(_) => "map",
+        },
         name: "sky".to_owned(),
         triangles: 0,
         radiance: sky.mean(),
@@ -190,6 +210,7 @@ fn lights(scene: &Scene, materials: &[MaterialContents], bounds: &Bounds) -> Vec
         .iter()
         .filter(emits)
         .map(surface)
+        .chain(punctual)
         .chain(sky)
         .collect()
 }

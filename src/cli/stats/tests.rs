@@ -31,6 +31,7 @@ pub(crate) fn scene() -> Scene {
         materials: Vec::new(),
         textures: Vec::new(),
         sky: None,
+        lights: Vec::new(),
         settings: Settings {
             ao_distance: Some(2.5),
             ..Settings::default()
