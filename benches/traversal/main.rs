@@ -105,11 +105,11 @@ fn measure(name: &str, mesh: &Mesh) {
         };
         closest.push((
             "few",
-            Box::new(|r, a, i, n| few::closest(all, r.rays(i, n), a.hits(i, n))),
+            Box::new(move |r, a, i, n| few::closest(all, r.rays(i, n), a.hits(i, n))),
         ));
         occluded.push((
             "few",
-            Box::new(|r, a, i, n| few::occluded(all, r.segments(i, n), a.occluded(i, n))),
+            Box::new(move |r, a, i, n| few::occluded(all, r.segments(i, n), a.occluded(i, n))),
         ));
     }
     for (kind, set) in [
