@@ -19,6 +19,7 @@ mod mixtures;
 mod parameters;
 mod plan;
 mod queue;
+mod recorded;
 mod render;
 mod roulette;
 mod sampling;
@@ -36,6 +37,7 @@ pub use control::Control;
 pub use counters::{COUNTERS, available as available_counters};
 pub use instruments::{Instruments, Slice, Timeline};
 pub use plan::{Plan, QueuePlan, plan};
+pub use recorded::{RECORDED_STAGES, Recorded, recorded};
 pub use render::{render, render_with};
 pub use stats::{BounceStats, Dropped, RenderStats, StageStats};
 
