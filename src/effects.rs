@@ -7,8 +7,8 @@ mod shader;
 
 pub use shader::Shader;
 
-use crate::scene::{Bsdf, LightKind, Material, Projection, Scene, Sky};
-use crate::settings::{Integrator, Settings, Strategy};
+use crate::scene::{Bsdf, Light, Material, Projection, Scene, Sky};
+use crate::settings::{Integrator, LightSelection, Settings, Strategy};
 use serde::Serialize;
 
 /// One effect.
@@ -28,10 +28,8 @@ pub struct Effects {
     /// By material: what scatters there. Materials that no surface wears call for nothing and count as
     /// plain.
     pub shaders: Vec<Shader>,
-    /// Whether rays that leave the scene can find light.
-    pub beyond: bool,
-    /// Whether there are lights that are no surfaces.
-    pub lights: bool,
+    /// Whether light comes from all around, or from discs at no distance.
+    pub sky: bool,
     /// Whether surfaces emit.
     pub emission: bool,
 }
@@ -52,8 +50,19 @@ impl Effects {
             effects.add("roulette", "setting `roulette`");
         }
         let samples_lights = matches!(settings.strategy, Strategy::Light | Strategy::Mis);
-        if transport && samples_lights && (effects.beyond || effects.lights || effects.emission) {
+        let (selection, reason) = light_selection(scene, settings);
+        if transport
+            && samples_lights
+            && (effects.sky || effects.emission || !scene.lights.is_empty())
+        {
             effects.add("next-event estimation", "setting `strategy`");
+            if selection == LightSelection::Tree {
+                effects.add("light tree", reason);
+            }
+        } else if let Some(light) = scene.lights.iter().find(|l| l.kind.is_delta()) {
+            if transport {
+                effects.add("next-event estimation", light_of(light));
+            }
         }
         effects
     }
@@ -79,26 +88,20 @@ impl Effects {
 
     fn light(&mut self, scene: &Scene) {
         if let Some(sky) = scene.sky.as_ref().filter(|sky| sky.shines()) {
-            self.beyond = true;
-            match sky {
-                Sky::Gradient { .. } => self.add("sky", "the scene's `sky`"),
-                Sky::Map(_) => self.add("environment map", "the scene's `sky`"),
-            }
-        }
-        for light in &scene.lights {
-            let (name, beyond) = match light.kind {
-                LightKind::Point { spot: None, .. } => ("point lights", false),
-                LightKind::Point { .. } => ("spots", false),
-                LightKind::Distant { half_angle, .. } => match half_angle > 0.0 {
-                    true => ("discs in the sky", true),
-                    false => ("parallel light", false),
-                },
+            self.sky = true;
+            let name = match sky {
+                Sky::Gradient { .. } => "sky",
+                Sky::Map(_) => "environment map",
             };
-            self.beyond |= beyond;
-            self.lights = true;
-            if !self.list.iter().any(|effect| effect.name == name) {
-                self.add(name, format!("light `{}`", light.name));
-            }
+            self.add(name, "the scene's `sky`");
+        }
+        let (delta, discs): (Vec<_>, Vec<_>) = scene.lights.iter().partition(|l| l.kind.is_delta());
+        if let Some(disc) = discs.first() {
+            self.sky = true;
+            self.add("discs in the sky", light_of(disc));
+        }
+        if let Some(delta) = delta.first() {
+            self.add("delta lights", light_of(delta));
         }
         let emits = |m: &&Material| m.emits();
         let worn = worn(scene);
@@ -130,6 +133,43 @@ impl Effects {
             self.add("shading normals", material(&scene.materials[i]));
         }
     }
+}
+
+/// The fewest lights at a finite distance for which a tree is worth its steps: see
+/// docs/performance.md.
+const MANY_LIGHTS: usize = 16;
+
+/// How a render chooses among lights, `auto` resolved, and why.
+#[must_use]
+pub fn light_selection(scene: &Scene, settings: &Settings) -> (LightSelection, String) {
+    let emits: Vec<bool> = scene.materials.iter().map(Material::emits).collect();
+    let triangles = scene.mesh.material.iter().filter(|&&m| emits[m as usize]);
+    let sampled = match settings.strategy {
+        Strategy::Light | Strategy::Mis => triangles.count(),
+        // Only what directions do not find.
+        Strategy::Uniform | Strategy::Cosine => 0,
+    };
+    let points = scene.lights.iter();
+    let near = sampled + points.filter(|l| l.kind.is_near()).count();
+    match settings.light_selection {
+        LightSelection::Auto if near >= MANY_LIGHTS => (
+            LightSelection::Tree,
+            format!("{near} lights at a finite distance"),
+        ),
+        LightSelection::Auto => (
+            LightSelection::Power,
+            format!("fewer than {MANY_LIGHTS} lights at a finite distance"),
+        ),
+        LightSelection::Tree if near == 0 => (
+            LightSelection::Power,
+            "no light at a finite distance".to_owned(),
+        ),
+        asked => (asked, "setting `light_selection`".to_owned()),
+    }
+}
+
+fn light_of(light: &Light) -> String {
+    format!("light `{}`", light.name)
 }
 
 fn material(material: &Material) -> String {

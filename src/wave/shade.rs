@@ -92,7 +92,7 @@ impl Program {
             // Where nothing is, nothing occludes.
             sky: match self {
                 Self::Ambient { .. } => true,
-                _ => transport && effects.beyond,
+                _ => transport && effects.sky,
             },
             emission: transport && effects.emission,
             unsampled_only: self == Self::Light,
