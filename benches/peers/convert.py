@@ -21,6 +21,12 @@ def material(mat):
     kind = mat["kind"]
     if kind == "diffuse":
         return [f"albedo = {mat['rgb']}"]
+    if kind == "glass":
+        return ['kind = "dielectric"', f"ior = {mat['ior']}"]
+    if kind == "metal":
+        # The scene format's roughness is the square root of the GGX width.
+        return ['kind = "conductor"', f"eta = {mat['eta']}", f"k = {mat['k']}",
+                f"roughness = {mat['alpha'] ** 0.5!r}"]
     raise ValueError(f"a material of kind {kind!r} has no counterpart yet")
 
 

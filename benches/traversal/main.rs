@@ -13,7 +13,7 @@ mod rays;
 
 use huygens::geometry::Geometry;
 use huygens::scene::Mesh;
-use huygens_kernels::few::Triangle;
+use huygens_kernels::few::{Few, Triangle};
 use huygens_kernels::{few, flight, packet, traverse};
 use rays::{Answers, RayBuffer};
 
@@ -56,12 +56,16 @@ fn measure(name: &str, mesh: &Mesh) {
     let b2 = rays::diffuse(mesh, &b1, &trace(&geometry, &b1), 2);
     let sh1 = rays::shadow(mesh, &camera, &trace(&geometry, &camera), 3);
     let bvh = geometry.bvh();
-    let triangles: Vec<Triangle> = (0..mesh.triangles().min(1000))
-        .map(|i| Triangle {
+    let corner = |v: u32| u8::try_from(v).ok();
+    let triangle = |i: usize| {
+        let [a, b, c] = mesh.indices[i].map(corner);
+        Some(Triangle {
             primitive: i as u32,
-            corners: mesh.corners(i),
+            corners: [a?, b?, c?],
         })
-        .collect();
+    };
+    // None if a vertex is not one of the few that the kernel takes.
+    let triangles: Option<Vec<Triangle>> = (0..mesh.triangles()).map(triangle).collect();
     let mut closest: Vec<(&str, Box<Run>)> = vec![
         (
             "one",
@@ -94,15 +98,18 @@ fn measure(name: &str, mesh: &Mesh) {
             Box::new(|r, a, i, n| flight::occluded::<32>(bvh, r.segments(i, n), a.occluded(i, n))),
         ),
     ];
-    if triangles.len() == mesh.triangles() {
-        let all = &triangles;
+    if let Some(triangles) = &triangles {
+        let all = Few {
+            vertices: &mesh.vertices,
+            triangles,
+        };
         closest.push((
             "few",
-            Box::new(|r, a, i, n| few::closest(all, r.rays(i, n), a.hits(i, n))),
+            Box::new(move |r, a, i, n| few::closest(all, r.rays(i, n), a.hits(i, n))),
         ));
         occluded.push((
             "few",
-            Box::new(|r, a, i, n| few::occluded(all, r.segments(i, n), a.occluded(i, n))),
+            Box::new(move |r, a, i, n| few::occluded(all, r.segments(i, n), a.occluded(i, n))),
         ));
     }
     for (kind, set) in [

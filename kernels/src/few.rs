@@ -1,58 +1,63 @@
 //! A scene of few triangles: eight rays, a lane each, against every triangle, without a tree.
 //!
 //! A walk through a tree costs a few hundred cycles however small the tree: sorting children,
-//! stacks, queues. A triangle against eight rays is some eighty instructions, so up to about fifty
-//! triangles it is cheaper to test them all.
+//! stacks, queues. Up to about fifty triangles it is cheaper to test them all.
 //!
-//! The lanes of a vector must agree on the main axis of their rays, so rays are dealt into three
-//! lists by axis first. The arithmetic of the test is that of [`crate::triangle::View`], so a
-//! triangle gives the same bits here and there. Triangles are visited by rising index and a later
-//! one must be strictly nearer: of equally near ones the first is taken, as everywhere.
+//! 1. The lanes of a vector must agree on the main axis of their rays. So rays are dealt into three
+//!    hands by axis, whole columns at a time, compacted by lanes; what does not fill a vector waits for
+//!    the next rays.
+//! 2. Every vertex is sheared once for eight rays, not once for each triangle at it.
+//! 3. A triangle is three edge functions of sheared vertices. Where they are sure (see
+//!    [`crate::triangle`]) none is 0, so that their sign bits alone tell inside from outside. Whether
+//!    they all were is asked once, after the last triangle; if not, which is rare, all are tested again
+//!    in the exact way.
 //!
-//! Input and output: as `traverse.rs`, and triangles by rising index. Reads 40 bytes a triangle and
-//! eight rays.
+//! The arithmetic is that of [`crate::triangle::View`], so a triangle gives the same bits here and
+//! there. Triangles are visited by rising index and a later one must be strictly nearer: of equally
+//! near ones the first is taken, as everywhere.
+//!
+//! Input and output: as `traverse.rs`, and triangles by rising index. Reads 12 bytes a vertex, 8 a
+//! triangle, and 96 of sheared vertices a corner, for eight rays.
 
-use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask};
+use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask, first, iota, load_u32, store_u32};
 use crate::rays::{Hits, NO_PRIMITIVE, Rays, Segments};
-use crate::triangle::{Candidates, View, main_axis, normalize_exponent};
+use crate::triangle::{self, Candidates, SURE, View, normalize_exponent};
 use crate::vec3::Columns;
-use crate::visits;
+use crate::{compact::Kept, visits};
 
-/// A triangle: its index in the mesh and its corners.
+mod deal;
+use deal::{Eight, deal, load_part};
+
+/// Most vertices of a [`Few`].
+pub const MAX_VERTICES: usize = 256;
+
+/// A triangle: its index in the mesh, and its corners' places among the vertices.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle {
     /// Index in the mesh.
     pub primitive: u32,
     /// Corners.
-    pub corners: [[f32; 3]; 3],
+    pub corners: [u8; 3],
 }
 
-/// Rays dealt at once.
-const HAND: usize = 128;
-
-/// Eight rays with the same main axis.
-struct Eight {
-    /// Their places in the view; unused lanes repeat the first.
-    id: [usize; LANES],
-    /// Lanes in use.
-    used: usize,
-    /// Along the axes first, second, main.
-    origin: [Fx; 3],
-    slope: [Fx; 2],
-    inverse: Fx,
-    /// Callers' distances over the kernel's.
-    scale: [f64; LANES],
+/// A few triangles. Those with a corner that is not finite are left out.
+#[derive(Clone, Copy, Debug)]
+pub struct Few<'a> {
+    /// At most [`MAX_VERTICES`].
+    pub vertices: &'a [[f32; 3]],
+    /// By rising index.
+    pub triangles: &'a [Triangle],
 }
 
 /// Writes the closest hit of each ray.
 ///
 /// # Panics
-/// If a column is shorter than `rays.len`.
-pub fn closest(triangles: &[Triangle], rays: Rays, hits: Hits) {
+/// If a column is shorter than `rays.len`, or there are too many vertices.
+pub fn closest(few: Few, rays: Rays, hits: Hits) {
     hits.primitive[..rays.len].fill(NO_PRIMITIVE);
     let mut visitor = ClosestOf {
-        triangles,
-        rays,
+        few,
+        leaves: rays.leaves,
         hits,
     };
     deal(rays.len, rays.origin, rays.direction, &mut visitor);
@@ -61,11 +66,11 @@ pub fn closest(triangles: &[Triangle], rays: Rays, hits: Hits) {
 /// Writes 1 for each segment that something lies on, else 0.
 ///
 /// # Panics
-/// If a column is shorter than `segments.len`.
-pub fn occluded(triangles: &[Triangle], segments: Segments, occluded: &mut [u32]) {
+/// If a column is shorter than `segments.len`, or there are too many vertices.
+pub fn occluded(few: Few, segments: Segments, occluded: &mut [u32]) {
     occluded[..segments.len].fill(0);
     let mut visitor = OcclusionBy {
-        triangles,
+        few,
         segments,
         occluded,
     };
@@ -77,183 +82,241 @@ pub fn occluded(triangles: &[Triangle], segments: Segments, occluded: &mut [u32]
     );
 }
 
-/// What is done with eight rays whose main axis is `MAIN`: a constant, so that reading a corner
-/// along their axes costs nothing.
+/// Vertices as eight rays see them.
+type Sheared = [[Fx; 3]; MAX_VERTICES];
+
+/// What is done with eight rays.
 trait Visitor {
-    fn visit<const MAIN: usize>(&mut self, eight: &Eight);
-    /// How many triangles each ray meets.
-    fn triangles(&self) -> usize;
+    /// Words of a ray besides its origin and direction.
+    const WORDS: usize;
+    /// Those of rays `i .. i + LANES`, into the first `WORDS`.
+    fn words(&self, i: usize) -> [Ux; 3];
+    /// Tests them against all triangles. Their vertices are sheared into `sheared`, whatever was there.
+    fn visit(&mut self, eight: &Eight, words: [Ux; 3], sheared: &mut Sheared);
 }
 
 struct ClosestOf<'a, 'b> {
-    triangles: &'a [Triangle],
-    rays: Rays<'a>,
+    few: Few<'a>,
+    leaves: &'a [u32],
     hits: Hits<'b>,
 }
 
 impl Visitor for ClosestOf<'_, '_> {
-    fn triangles(&self) -> usize {
-        self.triangles.len()
+    const WORDS: usize = 1;
+
+    #[inline(always)]
+    fn words(&self, i: usize) -> [Ux; 3] {
+        [Ux::new(load_part(self.leaves, i)), Ux::ZERO, Ux::ZERO]
     }
 
     #[inline(always)]
-    fn visit<const MAIN: usize>(&mut self, eight: &Eight) {
-        let leaves = Ux::new(eight.id.map(|i| self.rays.leaves[i]));
-        let (mut t, mut u, mut v) = (Fx::splat(f32::MAX), Fx::ZERO, Fx::ZERO);
-        let mut primitive = Ux::splat(NO_PRIMITIVE);
-        for triangle in self.triangles {
-            let found = eight.test::<MAIN>(triangle);
-            let index = Ux::splat(triangle.primitive);
-            let own = as_mask(index.simd_eq(leaves));
-            let nearer: Mask = found.met & found.t.simd_lt(t) & !own;
-            t = nearer.select(found.t, t);
-            u = nearer.select(found.u, u);
-            v = nearer.select(found.v, v);
-            primitive = as_bits(nearer).select(index, primitive);
+    fn visit(&mut self, eight: &Eight, [leaves, ..]: [Ux; 3], sheared: &mut Sheared) {
+        visits::add(0, LANES * self.few.triangles.len());
+        eight.shear(self.few.vertices, sheared);
+        let mut best = Best::default();
+        let mut doubt = Doubt::default();
+        for triangle in self.few.triangles {
+            let found = eight.test(triangle, sheared, &mut doubt);
+            best.take(triangle, found, leaves);
         }
+        if !doubt.none() {
+            best = self.visit_exactly(eight, leaves);
+        }
+        self.store(eight, &best);
+    }
+}
+
+impl ClosestOf<'_, '_> {
+    #[cold]
+    #[inline(never)]
+    fn visit_exactly(&self, eight: &Eight, leaves: Ux) -> Best {
+        let mut best = Best::default();
+        for triangle in self.few.triangles {
+            best.take(
+                triangle,
+                eight.test_exactly(triangle, self.few.vertices),
+                leaves,
+            );
+        }
+        best
+    }
+
+    #[inline(always)]
+    fn store(&mut self, eight: &Eight, best: &Best) {
+        let t = eight.outward(best.t).to_array();
+        let (u, v) = (best.u.to_array(), best.v.to_array());
+        let (id, primitive) = (eight.id.to_array(), best.primitive.to_array());
         for lane in 0..eight.used {
-            let i = eight.id[lane];
-            let outward = f64::from(t.as_array()[lane]) * eight.scale[lane];
-            self.hits.primitive[i] = primitive.as_array()[lane];
-            self.hits.t[i] = (outward as f32).clamp(f32::from_bits(1), f32::MAX);
-            self.hits.u[i] = u.as_array()[lane];
-            self.hits.v[i] = v.as_array()[lane];
+            let i = id[lane] as usize;
+            self.hits.primitive[i] = primitive[lane];
+            self.hits.t[i] = t[lane];
+            self.hits.u[i] = u[lane];
+            self.hits.v[i] = v[lane];
         }
     }
 }
 
+/// The closest hits so far, a ray a lane.
+struct Best {
+    t: Fx,
+    u: Fx,
+    v: Fx,
+    primitive: Ux,
+}
+
+impl Default for Best {
+    #[inline(always)]
+    fn default() -> Self {
+        Self {
+            t: Fx::splat(f32::MAX),
+            u: Fx::ZERO,
+            v: Fx::ZERO,
+            primitive: Ux::splat(NO_PRIMITIVE),
+        }
+    }
+}
+
+impl Best {
+    #[inline(always)]
+    fn take(&mut self, triangle: &Triangle, found: Candidates<Fx>, leaves: Ux) {
+        let index = Ux::splat(triangle.primitive);
+        let own = as_mask(index.simd_eq(leaves));
+        let nearer: Mask = found.met & found.t.simd_lt(self.t) & !own;
+        self.t = nearer.select(found.t, self.t);
+        self.u = nearer.select(found.u, self.u);
+        self.v = nearer.select(found.v, self.v);
+        self.primitive = as_bits(nearer).select(index, self.primitive);
+    }
+}
+
 struct OcclusionBy<'a, 'b> {
-    triangles: &'a [Triangle],
+    few: Few<'a>,
     segments: Segments<'a>,
     occluded: &'b mut [u32],
 }
 
 impl Visitor for OcclusionBy<'_, '_> {
-    fn triangles(&self) -> usize {
-        self.triangles.len()
+    const WORDS: usize = 3;
+
+    #[inline(always)]
+    fn words(&self, i: usize) -> [Ux; 3] {
+        let s = &self.segments;
+        [
+            Ux::new(load_part(s.leaves, i)),
+            Ux::new(load_part(s.reaches, i)),
+            bytemuck::cast(load_part(s.t_max, i)),
+        ]
     }
 
     #[inline(always)]
-    fn visit<const MAIN: usize>(&mut self, eight: &Eight) {
-        let Segments {
-            t_max,
-            leaves,
-            reaches,
-            ..
-        } = self.segments;
-        let inward = |lane: usize| f64::from(t_max[eight.id[lane]]) / eight.scale[lane];
-        let t_max = Fx::new(std::array::from_fn(|lane| inward(lane) as f32));
-        let leaves = Ux::new(eight.id.map(|i| leaves[i]));
-        let reaches = Ux::new(eight.id.map(|i| reaches[i]));
-        let mut met = Fx::ZERO;
-        for triangle in self.triangles {
-            let found = eight.test::<MAIN>(triangle);
+    fn visit(&mut self, eight: &Eight, [leaves, reaches, t_max]: [Ux; 3], sheared: &mut Sheared) {
+        visits::add(0, LANES * self.few.triangles.len());
+        eight.shear(self.few.vertices, sheared);
+        let t_max = eight.inward(bytemuck::cast(t_max));
+        let excluded = |triangle: &Triangle| {
             let index = Ux::splat(triangle.primitive);
-            let excluded = as_mask(index.simd_eq(leaves) | index.simd_eq(reaches));
-            met |= found.met & found.t.simd_lt(t_max) & !excluded;
+            as_mask(index.simd_eq(leaves) | index.simd_eq(reaches))
+        };
+        let mut met = Fx::ZERO;
+        let mut doubt = Doubt::default();
+        for triangle in self.few.triangles {
+            let found = eight.test(triangle, sheared, &mut doubt);
+            met |= found.met & found.t.simd_lt(t_max) & !excluded(triangle);
         }
-        let met = met.to_bitmask();
+        if !doubt.none() {
+            met = self.visit_exactly(eight, t_max, excluded);
+        }
+        let (met, id) = (met.to_bitmask(), eight.id.to_array());
         for lane in 0..eight.used {
-            self.occluded[eight.id[lane]] = met >> lane & 1;
+            self.occluded[id[lane] as usize] = met >> lane & 1;
         }
+    }
+}
+
+impl OcclusionBy<'_, '_> {
+    #[cold]
+    #[inline(never)]
+    fn visit_exactly(&self, eight: &Eight, t_max: Fx, excluded: impl Fn(&Triangle) -> Mask) -> Fx {
+        let mut met = Fx::ZERO;
+        for triangle in self.few.triangles {
+            let found = eight.test_exactly(triangle, self.few.vertices);
+            met |= found.met & found.t.simd_lt(t_max) & !excluded(triangle);
+        }
+        met
+    }
+}
+
+/// What decides in the end whether all edge functions were sure.
+struct Doubt {
+    /// The least magnitude of an edge function.
+    least: Fx,
+    /// The bits of the greatest magnitude of a doubled area: those of a NaN are greater still.
+    most: Ux,
+}
+
+impl Default for Doubt {
+    #[inline(always)]
+    fn default() -> Self {
+        Self {
+            least: Fx::splat(f32::MAX),
+            most: Ux::ZERO,
+        }
+    }
+}
+
+impl Doubt {
+    #[inline(always)]
+    fn none(&self) -> bool {
+        let most = Ux::splat((1.0 / SURE).to_bits());
+        let sure = Fx::splat(SURE).simd_le(self.least) & !as_mask(most.simd_lt(self.most));
+        sure.all()
     }
 }
 
 impl Eight {
-    /// All eight against one triangle.
+    /// All vertices as these rays see them.
     #[inline(always)]
-    fn test<const MAIN: usize>(&self, triangle: &Triangle) -> Candidates<Fx> {
-        let (found, sure) = self.view::<MAIN>(triangle).meet();
-        if sure.all() {
-            return found;
+    fn shear(&self, vertices: &[[f32; 3]], into: &mut Sheared) {
+        let axes = self.axes.map(|a| a % 3);
+        for (vertex, into) in vertices.iter().zip(into) {
+            let corner = axes.map(|a| Fx::splat(vertex[a]));
+            *into = triangle::shear(corner, &self.origin, &self.slope);
         }
-        let exact = self.test_exactly::<MAIN>(triangle);
+    }
+
+    /// All eight against one triangle; true where there is no doubt.
+    #[inline(always)]
+    fn test(&self, triangle: &Triangle, sheared: &Sheared, doubt: &mut Doubt) -> Candidates<Fx> {
+        let corners = triangle.corners.map(|c| &sheared[usize::from(c)]);
+        let weights = triangle::weights(corners);
+        let [a, b, c] = weights;
+        let det = a + b + c;
+        doubt.least = doubt
+            .least
+            .fast_min(a.abs().fast_min(b.abs().fast_min(c.abs())));
+        doubt.most = doubt.most.max(bytemuck::cast(det.abs()));
+        let [depth, u, v] = triangle::share(corners, weights, det);
+        let t = depth * self.inverse;
+        // Where all are sure, signs differ where sign bits do.
+        let mixed: wide::i32x8 = bytemuck::cast((a ^ b) | (b ^ c));
+        let outside: Mask = bytemuck::cast(mixed >> 31_i32);
         Candidates {
-            met: exact.met,
-            t: exact.t,
-            u: exact.u,
-            v: exact.v,
+            met: !outside & Fx::ZERO.simd_lt(t),
+            t,
+            u,
+            v,
         }
     }
 
-    #[cold]
-    #[inline(never)]
-    fn test_exactly<const MAIN: usize>(&self, triangle: &Triangle) -> Candidates<Fx> {
-        self.view::<MAIN>(triangle).meet_exactly()
-    }
-
-    #[inline(always)]
-    fn view<const MAIN: usize>(&self, triangle: &Triangle) -> View<Fx> {
-        let axes = const { [(MAIN + 1) % 3, (MAIN + 2) % 3, MAIN] };
-        View {
-            corners: triangle.corners.map(|c| axes.map(|a| Fx::splat(c[a]))),
+    fn test_exactly(&self, triangle: &Triangle, vertices: &[[f32; 3]]) -> Candidates<Fx> {
+        let axes = self.axes.map(|a| a % 3);
+        let corner = |c: u8| axes.map(|a| Fx::splat(vertices[usize::from(c)][a]));
+        let view = View {
+            corners: triangle.corners.map(corner),
             origin: self.origin,
             slope: self.slope,
             inverse: self.inverse,
-        }
+        };
+        view.meet_exactly()
     }
-}
-
-/// Deals the rays that can meet anything into eights of one main axis.
-#[inline(always)]
-fn deal(len: usize, origin: Columns, direction: Columns, visitor: &mut impl Visitor) {
-    for first in (0..len).step_by(HAND) {
-        let mut lists = [[0u8; HAND]; 3];
-        let mut lengths = [0usize; 3];
-        for i in first..len.min(first + HAND) {
-            let o = origin.map(|column| column[i]);
-            let d = direction.map(|column| column[i]);
-            let axis = main_axis(d);
-            let usable = o.iter().all(|o| o.is_finite())
-                && d.iter().all(|d| d.is_finite())
-                && d[axis] != 0.0;
-            lists[axis][lengths[axis]] = (i - first) as u8;
-            lengths[axis] += usize::from(usable);
-        }
-        for main in 0..3 {
-            let axes = [(main + 1) % 3, (main + 2) % 3, main];
-            for list in lists[main][..lengths[main]].chunks(LANES) {
-                visits::add(0, LANES * visitor.triangles());
-                let eight = gather(first, list, origin, direction, axes);
-                match main {
-                    0 => visitor.visit::<0>(&eight),
-                    1 => visitor.visit::<1>(&eight),
-                    _ => visitor.visit::<2>(&eight),
-                }
-            }
-        }
-    }
-}
-
-#[inline(always)]
-fn gather(
-    first: usize,
-    list: &[u8],
-    origin: Columns,
-    direction: Columns,
-    axes: [usize; 3],
-) -> Eight {
-    let mut eight = Eight {
-        id: std::array::from_fn(|l| first + usize::from(*list.get(l).unwrap_or(&list[0]))),
-        used: list.len(),
-        origin: [Fx::ZERO; 3],
-        slope: [Fx::ZERO; 2],
-        inverse: Fx::ZERO,
-        scale: [1.0; LANES],
-    };
-    let mut rows = [[0.0; LANES]; 3];
-    for lane in 0..LANES {
-        let d = direction.map(|column| column[eight.id[lane]]);
-        // Dealt rays are usable.
-        let (d, scale) = normalize_exponent(d).unwrap_or(([1.0; 3], 1.0));
-        eight.scale[lane] = scale;
-        for k in 0..3 {
-            rows[k][lane] = d[axes[k]];
-        }
-    }
-    let d = rows.map(Fx::new);
-    eight.origin = axes.map(|a| Fx::new(eight.id.map(|i| origin[a][i])));
-    eight.slope = [d[0] / d[2], d[1] / d[2]];
-    eight.inverse = Fx::ONE / d[2];
-    eight
 }

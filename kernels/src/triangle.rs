@@ -35,7 +35,7 @@ use wide::f32x4;
 /// Edge functions below this, and triangles whose doubled area, seen from the ray, is above its
 /// reciprocal, are decided in f64. It is no tolerance (both ways of deciding give an answer, and
 /// the f64 one is exact): from 2^-102 down, f32 products lose bits to underflow.
-const SURE: f32 = 1.0 / ((1u128 << 100) as f32);
+pub(crate) const SURE: f32 = 1.0 / ((1u128 << 100) as f32);
 
 /// What the triangle test needs of a ray.
 #[derive(Clone, Copy, Debug, Default)]
@@ -168,24 +168,45 @@ struct Sheared<V> {
     weights: [V; 3],
 }
 
+/// A corner, along the ray's axes, as the ray sees it.
+#[inline(always)]
+pub(crate) fn shear<V: Lanes>(corner: [V; 3], origin: &[V; 3], slope: &[V; 2]) -> [V; 3] {
+    let z = corner[2] - origin[2];
+    let x = slope[0].mul_neg_add(z, corner[0] - origin[0]);
+    let y = slope[1].mul_neg_add(z, corner[1] - origin[1]);
+    [x, y, z]
+}
+
+/// The edge functions of sheared corners, by the corner that each lies opposite to.
+#[inline(always)]
+pub(crate) fn weights<V: Lanes>([a, b, c]: [&[V; 3]; 3]) -> [V; 3] {
+    // Kahan: what rounding took from one product is put back with the other.
+    let edge = |p: &[V; 3], q: &[V; 3]| {
+        let product = p[1] * q[0];
+        p[1].mul_neg_add(q[0], product) - p[0].mul_neg_add(q[1], product)
+    };
+    [edge(c, b), edge(a, c), edge(b, a)]
+}
+
+/// Depth along the main axis, and the barycentric weights of the second and third corner; `det` is
+/// the sum of the weights.
+#[inline(always)]
+pub(crate) fn share<V: Lanes>([a, b, c]: [&[V; 3]; 3], weights: [V; 3], det: V) -> [V; 3] {
+    let share = V::splat(1.0) / det;
+    let [ua, ub, uc] = weights.map(|w| w * share);
+    let depth = ua.mul_add(a[2], ub.mul_add(b[2], uc * c[2]));
+    // Adding 0 turns -0 into 0.
+    let zero = V::splat(0.0);
+    [depth, ub + zero, uc + zero]
+}
+
 impl<V: Lanes> View<V> {
     #[inline(always)]
     fn shear(&self) -> Sheared<V> {
-        let corners = self.corners.map(|v| {
-            let z = v[2] - self.origin[2];
-            let x = self.slope[0].mul_neg_add(z, v[0] - self.origin[0]);
-            let y = self.slope[1].mul_neg_add(z, v[1] - self.origin[1]);
-            [x, y, z]
-        });
-        let [a, b, c] = corners;
-        // Kahan: what rounding took from one product is put back with the other.
-        let edge = |p: [V; 3], q: [V; 3]| {
-            let product = p[1] * q[0];
-            p[1].mul_neg_add(q[0], product) - p[0].mul_neg_add(q[1], product)
-        };
+        let corners = self.corners.map(|v| shear(v, &self.origin, &self.slope));
         Sheared {
             corners,
-            weights: [edge(c, b), edge(a, c), edge(b, a)],
+            weights: weights(corners.each_ref()),
         }
     }
 
@@ -193,10 +214,8 @@ impl<V: Lanes> View<V> {
     #[inline(always)]
     #[must_use]
     pub fn meet(&self) -> (Candidates<V>, V) {
-        let Sheared {
-            corners: [a, b, c],
-            weights: [wa, wb, wc],
-        } = self.shear();
+        let sheared = self.shear();
+        let [wa, wb, wc] = sheared.weights;
         let det = wa + wb + wc;
         let zero = V::splat(0.0);
         let negative = wa.less(zero) | wb.less(zero) | wc.less(zero);
@@ -206,16 +225,13 @@ impl<V: Lanes> View<V> {
         // The weights are divided before they meet a distance: their products with it would
         // overflow or vanish long before they do. What is computed for lanes that are not met is
         // computed in vain; a branch around it would be mispredicted every other time.
-        let share = V::splat(1.0) / det;
-        let (ua, ub, uc) = (wa * share, wb * share, wc * share);
-        let depth = ua.mul_add(a[2], ub.mul_add(b[2], uc * c[2]));
+        let [depth, u, v] = share(sheared.corners.each_ref(), sheared.weights, det);
         let t = depth * self.inverse;
         let found = Candidates {
             met: !(negative & positive) & zero.less(t),
             t,
-            // Adding 0 turns -0 into 0.
-            u: ub + zero,
-            v: uc + zero,
+            u,
+            v,
         };
         (found, sure)
     }

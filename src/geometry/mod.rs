@@ -35,7 +35,7 @@ pub struct Geometry {
     layout: Layout,
     bounds: Option<[[f32; 3]; 2]>,
     /// All triangles, by rising index, where they are few; else none.
-    few: Vec<Triangle>,
+    few: FewTables,
 }
 
 impl Geometry {
@@ -67,25 +67,25 @@ impl Geometry {
         Self {
             layout: Layout::new(mesh, &collapse),
             bounds: Some([root.min.to_array(), root.max.to_array()]),
-            few: few(mesh),
+            few: FewTables::new(mesh),
         }
     }
 
     /// Closest hit of each ray.
     pub fn closest(&self, rays: Rays, hits: Hits) {
-        if self.few.is_empty() {
+        if self.few.triangles.is_empty() {
             packet::closest::<IN_FLIGHT>(self.bvh(), rays, hits);
         } else {
-            few::closest(&self.few, rays, hits);
+            few::closest(self.few.view(), rays, hits);
         }
     }
 
     /// For each segment: 1 if something lies on it, 0 if its ends see each other.
     pub fn occluded(&self, segments: Segments, occluded: &mut [u32]) {
-        if self.few.is_empty() {
+        if self.few.triangles.is_empty() {
             flight::occluded::<IN_FLIGHT>(self.bvh(), segments, occluded);
         } else {
-            few::occluded(&self.few, segments, occluded);
+            few::occluded(self.few.view(), segments, occluded);
         }
     }
 
@@ -143,23 +143,60 @@ impl Geometry {
         vec![
             ("bvh nodes", self.nodes() * size_of::<Node>()),
             ("bvh triangles", self.blocks() * size_of::<Block>()),
-            ("few triangles", self.few.len() * size_of::<Triangle>()),
+            ("few triangles", self.few.bytes()),
         ]
     }
 }
 
-/// The finite triangles of a mesh that has few.
-fn few(mesh: &Mesh) -> Vec<Triangle> {
-    if mesh.triangles() > FEW {
-        return Vec::new();
+/// The triangles of a mesh that has few.
+#[derive(Debug, Default)]
+struct FewTables {
+    /// Different ones, those of finite triangles.
+    vertices: Vec<[f32; 3]>,
+    triangles: Vec<Triangle>,
+}
+
+impl FewTables {
+    fn new(mesh: &Mesh) -> Self {
+        let mut few = Self::default();
+        if mesh.triangles() > FEW {
+            return few;
+        }
+        for i in 0..mesh.triangles() {
+            let corners = mesh.corners(i);
+            if corners.as_flattened().iter().all(|c| c.is_finite()) {
+                let corners = corners.map(|c| few.place(c));
+                few.triangles.push(Triangle {
+                    primitive: i as u32,
+                    corners,
+                });
+            }
+        }
+        few
     }
-    (0..mesh.triangles())
-        .map(|i| Triangle {
-            primitive: i as u32,
-            corners: mesh.corners(i),
-        })
-        .filter(|t| t.corners.as_flattened().iter().all(|c| c.is_finite()))
-        .collect()
+
+    /// The place of a vertex. At most three for each of [`FEW`] triangles, so a byte holds it.
+    fn place(&mut self, vertex: [f32; 3]) -> u8 {
+        const { assert!(3 * FEW <= few::MAX_VERTICES) };
+        let bits = |v: &[f32; 3]| v.map(f32::to_bits);
+        let known = self.vertices.iter().position(|v| bits(v) == bits(&vertex));
+        let place = known.unwrap_or_else(|| {
+            self.vertices.push(vertex);
+            self.vertices.len() - 1
+        });
+        place as u8
+    }
+
+    fn view(&self) -> few::Few<'_> {
+        few::Few {
+            vertices: &self.vertices,
+            triangles: &self.triangles,
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(&self.vertices[..]) + size_of_val(&self.triangles[..])
+    }
 }
 
 #[cfg(test)]

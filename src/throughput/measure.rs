@@ -101,6 +101,13 @@ impl Prepared {
         self.scene.mesh.triangles()
     }
 
+    /// Calls `with` with a wave of this scene in the middle of a render, for benchmarks of its stages.
+    pub fn recorded<T>(&self, with: impl FnOnce(wave::Recorded) -> T) -> T {
+        // Enough turns for paths of many ages, as most of a render has.
+        let (settings, turns) = (&self.scene.settings, 12);
+        wave::recorded(&self.scene, &self.geometry, settings, turns, with)
+    }
+
     /// Renders once with `threads` workers (0: one a core) and waves of `wave` paths.
     #[must_use]
     pub fn run(&self, threads: usize, wave: usize) -> Run {

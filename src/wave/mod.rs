@@ -14,9 +14,13 @@ mod environment;
 mod generate;
 mod instruments;
 mod intersect;
+mod light_tree;
 mod lights;
+mod mixtures;
+mod parameters;
 mod plan;
 mod queue;
+mod recorded;
 mod render;
 mod roulette;
 mod sampling;
@@ -34,6 +38,7 @@ pub use control::Control;
 pub use counters::{COUNTERS, available as available_counters};
 pub use instruments::{Instruments, Slice, Timeline};
 pub use plan::{Plan, QueuePlan, plan};
+pub use recorded::{RECORDED_STAGES, Recorded, recorded};
 pub use render::{render, render_with};
 pub use stats::{BounceStats, Dropped, RenderStats, StageStats};
 
@@ -74,7 +79,7 @@ impl<'a> Wave<'a> {
             setup,
             paths: Queue::new(capacity),
             hits: Queue::new(capacity),
-            lists: Lists::new(capacity, setup.shaders.len(), setup.wanted),
+            lists: Lists::new(setup),
             surfaces: setup.surfaces(),
             scattered: Queue::new(capacity),
             shadows: Queue::new(shadows),

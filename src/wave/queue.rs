@@ -62,6 +62,12 @@ impl<L: Layout> Queue<L> {
         self.len = len;
     }
 
+    /// Takes over what another queue of the same capacity holds.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.lines.copy_from_slice(&other.lines);
+        self.len = other.len;
+    }
+
     /// All columns, padding included.
     pub(crate) fn view(&self) -> L::View<'_> {
         L::view(bytemuck::cast_slice(&self.lines).chunks_exact(self.stride))
