@@ -30,10 +30,6 @@ pub(super) struct Imported {
     pub(super) material: Vec<u32>,
     /// Materials by the file's own names.
     pub(super) materials: Vec<Material>,
-    /// How many of the last ones no triangle wears: they are parts of mixtures.
-    pub(super) parts: usize,
-    /// For each of the others, the reflectance of the diffuse surface that comes nearest.
-    pub(super) matt: Vec<[f32; 3]>,
     /// Textures that they read, by place; until `surfaces::bind_imported`.
     pub(super) textures: Vec<Request>,
     /// What had to be left out or guessed.

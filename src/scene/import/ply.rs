@@ -63,7 +63,6 @@ pub(super) fn load(path: &Path, read: &AtomicU64) -> Result<Imported, SceneError
     }
     imported.material = vec![0; imported.triangles.len()];
     imported.materials.push(mtl::grey(""));
-    imported.matt.push([0.5; 3]);
     imported.drop_unused_vertices();
     Ok(imported)
 }

@@ -118,7 +118,6 @@ pub(super) fn materials(
                 unknown.push(name);
             }
             imported.materials.push(grey(name));
-            imported.matt.push(GREY);
             continue;
         };
         let mut made = surface::make(said, name, file, &mut imported.textures);
@@ -129,7 +128,6 @@ pub(super) fn materials(
             parts.extend(own);
         }
         imported.materials.push(made.material);
-        imported.matt.push(made.matt);
         made.notes.sort_unstable();
         made.notes.dedup();
         for note in made.notes {
@@ -137,7 +135,6 @@ pub(super) fn materials(
             notes.entry(key).or_default().push(name.clone());
         }
     }
-    imported.parts = parts.len();
     imported.materials.extend(parts);
     // Of a missing library no name can be found: that was warned about already.
     if let (true, [first, more @ ..]) = (complete, &unknown[..]) {

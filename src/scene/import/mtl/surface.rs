@@ -25,8 +25,6 @@ use std::path::Path;
 pub(super) struct Made {
     pub(super) material: Material,
     pub(super) parts: Option<[Material; 2]>,
-    /// The diffuse surface that comes nearest.
-    pub(super) matt: [f32; 3],
     pub(super) notes: Vec<Fallback>,
 }
 
@@ -90,7 +88,6 @@ pub(super) fn make(said: &Said, name: &str, mtl: &Path, textures: &mut Vec<Reque
             ..made
         },
         parts,
-        matt: base.factor,
         notes,
     }
 }
