@@ -12,7 +12,7 @@ use super::material::Material;
 use super::shapes::Shapes;
 use super::toml::SceneFile;
 use super::values::{NonNegative, OneOrThree, Unit};
-use crate::settings::{Integrator, Settings};
+use crate::settings::Settings;
 use glam::DAffine3;
 use std::path::Path;
 
@@ -110,10 +110,7 @@ fn finish(mut scene: Scene) -> Scene {
         let message = "no shapes: the camera sees nothing but the sky";
         scene.warnings.push(message.to_owned());
     }
-    let needs_light = matches!(
-        scene.settings.integrator,
-        Integrator::Path | Integrator::Direct | Integrator::Reference
-    );
+    let needs_light = scene.settings.integrator.is_transport();
     let sky_shines = scene.sky.is_some_and(|sky| sky.shines());
     if needs_light && !sky_shines && !emits(&scene) {
         let message = "no light: neither a sky nor a surface emits, so the image will be black";

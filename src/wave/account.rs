@@ -21,6 +21,7 @@ pub(crate) enum Stage {
     Sort,
     Sky,
     Emission,
+    Branch,
     Interact,
     Light,
     Scatter(Shader),
@@ -30,7 +31,7 @@ pub(crate) enum Stage {
 }
 
 impl Stage {
-    const COUNT: usize = 10 + Shader::ALL.len();
+    const COUNT: usize = 11 + Shader::ALL.len();
 
     /// All stages.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
@@ -40,6 +41,7 @@ impl Stage {
             Self::Sort,
             Self::Sky,
             Self::Emission,
+            Self::Branch,
             Self::Interact,
             Self::Light,
         ];
@@ -58,9 +60,10 @@ impl Stage {
             Self::Sort => 2,
             Self::Sky => 3,
             Self::Emission => 4,
-            Self::Interact => 5,
-            Self::Light => 6,
-            Self::Scatter(shader) => 7 + shader as usize,
+            Self::Branch => 5,
+            Self::Interact => 6,
+            Self::Light => 7,
+            Self::Scatter(shader) => 8 + shader as usize,
             Self::Occlude => Self::COUNT - 3,
             Self::Roulette => Self::COUNT - 2,
             Self::Film => Self::COUNT - 1,
@@ -74,6 +77,7 @@ impl Stage {
             Self::Sort => "sort",
             Self::Sky => "shade: sky",
             Self::Emission => "shade: emission",
+            Self::Branch => "branch",
             Self::Interact => "interact",
             Self::Light => "sample lights",
             Self::Scatter(Shader::Plain) => "shade: surface",

@@ -45,6 +45,8 @@ impl Program {
         ao_distance: f32,
     ) -> Self {
         match integrator {
+            Integrator::Whitted if has_lights => Self::Light,
+            Integrator::Whitted => Self::Cosine,
             Integrator::Path | Integrator::Direct | Integrator::Reference => match strategy {
                 Strategy::Uniform => Self::Uniform,
                 // Nothing to sample: what is left of both is the cosine.

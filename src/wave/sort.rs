@@ -58,6 +58,11 @@ impl IndexList {
         }
     }
 
+    /// The indices, without padding.
+    pub(crate) fn indices(&self) -> &[u32] {
+        &self.indices[..self.len]
+    }
+
     fn clear(&mut self) {
         self.len = 0;
         self.tally = Tally::default();
@@ -98,6 +103,15 @@ pub(crate) struct Wanted {
     /// Whether only light that next-event estimation cannot have found is looked at: along rays of
     /// infinite pdf.
     pub(crate) unsampled_only: bool,
+}
+
+impl Wanted {
+    /// Surfaces alone.
+    pub(crate) const SURFACES: Self = Self {
+        sky: false,
+        emission: false,
+        unsampled_only: false,
+    };
 }
 
 /// Where a material's surfaces go.

@@ -39,6 +39,66 @@ pub struct RenderStats {
     pub timelines: Vec<Timeline>,
 }
 
+impl RenderStats {
+    /// Adds a render that followed, of the same scene with the same stages under the same control.
+    pub fn merge(&mut self, later: Self) {
+        self.seconds += later.seconds;
+        let cpu = self.cpu_seconds.zip(later.cpu_seconds).map(|(a, b)| a + b);
+        self.cpu_seconds = if self.threads == 0 {
+            later.cpu_seconds
+        } else {
+            cpu
+        };
+        self.worker_seconds += later.worker_seconds;
+        self.threads = self.threads.max(later.threads);
+        // The control counts on.
+        self.samples = later.samples;
+        self.camera_rays += later.camera_rays;
+        self.bounce_rays += later.bounce_rays;
+        self.shadow_rays += later.shadow_rays;
+        self.mean_depth = self.bounce_rays as f64 / self.camera_rays.max(1) as f64;
+        self.stopped |= later.stopped;
+        for stage in later.stages {
+            match self.stages.iter_mut().find(|s| s.name == stage.name) {
+                Some(known) => known.merge(&stage),
+                None => self.stages.push(stage),
+            }
+        }
+        for (all, more) in [
+            (&mut self.dropped, later.dropped),
+            (&mut self.untraceable, later.untraceable),
+        ] {
+            for loss in more {
+                match all.iter_mut().find(|d| d.stage == loss.stage) {
+                    Some(known) => known.count += loss.count,
+                    None => all.push(loss),
+                }
+            }
+        }
+    }
+}
+
+impl StageStats {
+    fn merge(&mut self, later: &Self) {
+        self.calls += later.calls;
+        self.seconds += later.seconds;
+        self.items_in += later.items_in;
+        self.items_out += later.items_out;
+        self.lanes_busy += later.lanes_busy;
+        self.lanes_issued += later.lanes_issued;
+        self.bytes_read += later.bytes_read;
+        self.bytes_written += later.bytes_written;
+        let depth = self.bounces.len().max(later.bounces.len());
+        self.bounces.resize(depth, BounceStats::default());
+        for (a, b) in self.bounces.iter_mut().zip(&later.bounces) {
+            a.items_in += b.items_in;
+            a.items_out += b.items_out;
+            a.lanes_busy += b.lanes_busy;
+            a.seconds += b.seconds;
+        }
+    }
+}
+
 /// One stage over the whole render, all workers added up.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct StageStats {
