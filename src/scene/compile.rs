@@ -17,7 +17,7 @@ use super::surfaces::{Surfaces, bind};
 use super::texture::Store;
 use super::toml::SceneFile;
 use super::values::{NonNegative, OneOrThree};
-use crate::settings::{Integrator, Settings};
+use crate::settings::Settings;
 use glam::DAffine3;
 use std::path::Path;
 
@@ -131,10 +131,7 @@ fn finish(mut scene: Scene) -> Scene {
         let message = "no shapes: the camera sees nothing but the sky";
         scene.warnings.push(message.to_owned());
     }
-    let needs_light = matches!(
-        scene.settings.integrator,
-        Integrator::Path | Integrator::Direct | Integrator::Reference
-    );
+    let needs_light = scene.settings.integrator.is_transport();
     let sky_shines = scene.sky.as_ref().is_some_and(Sky::shines);
     if needs_light && !sky_shines && scene.lights.is_empty() && !emits(&scene) {
         let message = "no light: neither a sky nor a surface emits, so the image will be black";
