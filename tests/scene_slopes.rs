@@ -43,7 +43,7 @@ fn sky() -> Scene {
     let (d, h) = (0.5, 1.0);
     b.quad(grey, [[-d, h, -d], [d, h, -d], [d, h, d], [-d, h, d]]);
     let mut scene = floor_from_above(0.5, b);
-    scene.sky = Some(Sky {
+    scene.sky = Some(Sky::Gradient {
         zenith: [1.0, 2.0, 3.0],
         nadir: [0.5; 3],
     });
