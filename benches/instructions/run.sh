@@ -15,18 +15,14 @@ command -v valgrind >/dev/null || {
   echo 'missing: valgrind (Debian: apt-get install valgrind)' >&2
   exit 2
 }
-program=$(cargo bench --bench instructions --no-run --message-format=json 2>/dev/null |
-  sed -n 's/.*"name":"instructions".*"executable":"\([^"]*\)".*/\1/p' | tail -1)
-[[ -x $program ]] || {
-  echo 'cargo bench --bench instructions --no-run failed' >&2
-  exit 2
-}
+cargo build --release --quiet --locked
+program=${CARGO_TARGET_DIR:-target}/release/huygens
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-"$program" | while read -r name items; do
+"$program" bench --stage | while read -r name items; do
   valgrind --tool=callgrind --callgrind-out-file="$folder/out" --collect-atstart=no \
-    --toggle-collect='*measured_by_valgrind*' "$program" "$name" >/dev/null 2>"$folder/log"
+    --toggle-collect='*stage*counted*' "$program" bench --stage "$name" >/dev/null 2>"$folder/log"
   count=$(sed -n 's/.*Collected : \([0-9]*\).*/\1/p' "$folder/log")
   awk -v name="$name" -v count="$count" -v items="$items" \
     'BEGIN { printf "%s\t%.1f\n", name, count / items }'

@@ -4,7 +4,7 @@ use super::account::Stage;
 use super::camera;
 use super::sampling::AnySampler;
 use super::shade::Program;
-use super::sort::{Route, Wanted};
+use super::sort::{Route, Routes, Wanted};
 use super::surfaces::Surfaces;
 use super::tables::{self, SceneTables};
 use crate::effects::{Effects, Shader};
@@ -22,7 +22,7 @@ pub(crate) struct Setup<'a> {
     /// The shaders that the scene's materials call for, in the order in which they run.
     pub(crate) shaders: Vec<Shader>,
     /// By material.
-    pub(crate) routes: Vec<Route>,
+    pub(crate) routes: Routes,
     pub(crate) lens: Lens<'a>,
     pub(crate) sampler: AnySampler,
     pub(crate) program: Program,
@@ -61,7 +61,7 @@ impl<'a> Setup<'a> {
             emits: m.emits(),
             list: list(shader),
         });
-        let routes = routes.collect();
+        let routes = Routes::new(routes.collect());
         Self {
             geometry,
             tables: scene_tables.view(scene),

@@ -101,12 +101,31 @@ pub(crate) struct Wanted {
 }
 
 /// Where a material's surfaces go.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Route {
     /// Whether they emit.
     pub(crate) emits: bool,
     /// Their list among [`Lists::scatter`].
     pub(crate) list: u8,
+}
+
+/// Where all materials' surfaces go.
+#[derive(Clone, Debug)]
+pub(crate) struct Routes {
+    /// By material.
+    of: Vec<Route>,
+    /// Where all go, if they go the same way: then nobody needs to look up a triangle's material, which
+    /// in a large mesh means waiting for memory.
+    only: Option<Route>,
+}
+
+impl Routes {
+    /// `of` is indexed by material.
+    pub(crate) fn new(of: Vec<Route>) -> Self {
+        let first = of.first().copied();
+        let only = first.filter(|first| of.iter().all(|route| route == first));
+        Self { of, only }
+    }
 }
 
 impl Lists {
@@ -149,14 +168,14 @@ impl Lists {
         lists.fold(first, |sum, list| sum.plus(&list.tally))
     }
 
-    /// Sorts the first `n` paths. `routes` is indexed by material.
+    /// Sorts the first `n` paths. `material` is indexed by triangle.
     pub(crate) fn sort(
         &mut self,
         n: usize,
         paths: Paths,
         hits: PathHits,
         material: &[u32],
-        routes: &[Route],
+        routes: &Routes,
         wanted: Wanted,
     ) {
         self.all().for_each(IndexList::clear);
@@ -170,7 +189,10 @@ impl Lists {
                 if primitive == NO_PRIMITIVE {
                     self.sky.push_if(i, wanted.sky && light);
                 } else {
-                    let route = routes[material[primitive as usize] as usize];
+                    let route = match routes.only {
+                        Some(route) => route,
+                        None => routes.of[material[primitive as usize] as usize],
+                    };
                     self.emission
                         .push_if(i, wanted.emission && light && route.emits);
                     let list = &mut self.scatter[usize::from(route.list)];
