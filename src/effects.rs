@@ -3,8 +3,12 @@
 //! The wave is assembled from this: a stage, a queue or a kernel that no effect asks for is not
 //! there.
 
-use crate::scene::{Bsdf, LightKind, Material, Projection, Scene, Sky};
-use crate::settings::{Integrator, Settings, Strategy};
+mod shader;
+
+pub use shader::Shader;
+
+use crate::scene::{Bsdf, Light, Material, Projection, Scene, Sky};
+use crate::settings::{Integrator, LightSelection, Settings, Strategy};
 use serde::Serialize;
 
 /// One effect.
@@ -16,65 +20,6 @@ pub struct Effect {
     pub reason: String,
 }
 
-/// What scatters at a surface: each has a kernel of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Shader {
-    /// Lambertian, flat and of one colour: one pass from hit to scattered path.
-    Plain,
-    /// Lambertian otherwise.
-    Diffuse,
-    /// Rough diffuse.
-    RoughDiffuse,
-}
-
-impl Shader {
-    /// All there are, in the order in which they run.
-    pub const ALL: [Self; 3] = [Self::Plain, Self::Diffuse, Self::RoughDiffuse];
-
-    /// The effect's name.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Plain => "plain diffuse",
-            Self::Diffuse => "diffuse",
-            Self::RoughDiffuse => "rough diffuse",
-        }
-    }
-
-    /// Whether light can only be found by following its directions.
-    #[must_use]
-    pub fn is_delta(self) -> bool {
-        match self {
-            Self::Plain | Self::Diffuse | Self::RoughDiffuse => false,
-        }
-    }
-
-    /// Whether light passes through.
-    #[must_use]
-    pub fn passes(self) -> bool {
-        match self {
-            Self::Plain | Self::Diffuse | Self::RoughDiffuse => false,
-        }
-    }
-
-    /// The shader of a material that is no mixture; `smooth` if a surface that wears it has
-    /// interpolated normals.
-    fn of(material: &Material, smooth: bool) -> Self {
-        match &material.bsdf {
-            Bsdf::Diffuse { roughness, .. } if *roughness > 0.0 => Self::RoughDiffuse,
-            Bsdf::Diffuse { reflectance, .. } => {
-                let bent = smooth || material.normal_map.is_some();
-                if bent || reflectance.texture.is_some() {
-                    Self::Diffuse
-                } else {
-                    Self::Plain
-                }
-            }
-            _ => Self::Diffuse,
-        }
-    }
-}
-
 /// The effects that a scene calls for under some settings.
 #[derive(Clone, Debug, Default)]
 pub struct Effects {
@@ -83,10 +28,8 @@ pub struct Effects {
     /// By material: what scatters there. Materials that no surface wears call for nothing and count as
     /// plain.
     pub shaders: Vec<Shader>,
-    /// Whether rays that leave the scene can find light.
-    pub beyond: bool,
-    /// Whether there are lights that are no surfaces.
-    pub lights: bool,
+    /// Whether light comes from all around, or from discs at no distance.
+    pub sky: bool,
     /// Whether surfaces emit.
     pub emission: bool,
 }
@@ -107,8 +50,19 @@ impl Effects {
             effects.add("roulette", "setting `roulette`");
         }
         let samples_lights = matches!(settings.strategy, Strategy::Light | Strategy::Mis);
-        if transport && samples_lights && (effects.beyond || effects.lights || effects.emission) {
+        let (selection, reason) = light_selection(scene, settings);
+        if transport
+            && samples_lights
+            && (effects.sky || effects.emission || !scene.lights.is_empty())
+        {
             effects.add("next-event estimation", "setting `strategy`");
+            if selection == LightSelection::Tree {
+                effects.add("light tree", reason);
+            }
+        } else if let Some(light) = scene.lights.iter().find(|l| l.kind.is_delta()) {
+            if transport {
+                effects.add("next-event estimation", light_of(light));
+            }
         }
         effects
     }
@@ -134,26 +88,20 @@ impl Effects {
 
     fn light(&mut self, scene: &Scene) {
         if let Some(sky) = scene.sky.as_ref().filter(|sky| sky.shines()) {
-            self.beyond = true;
-            match sky {
-                Sky::Gradient { .. } => self.add("sky", "the scene's `sky`"),
-                Sky::Map(_) => self.add("environment map", "the scene's `sky`"),
-            }
-        }
-        for light in &scene.lights {
-            let (name, beyond) = match light.kind {
-                LightKind::Point { spot: None, .. } => ("point lights", false),
-                LightKind::Point { .. } => ("spots", false),
-                LightKind::Distant { half_angle, .. } => match half_angle > 0.0 {
-                    true => ("discs in the sky", true),
-                    false => ("parallel light", false),
-                },
+            self.sky = true;
+            let name = match sky {
+                Sky::Gradient { .. } => "sky",
+                Sky::Map(_) => "environment map",
             };
-            self.beyond |= beyond;
-            self.lights = true;
-            if !self.list.iter().any(|effect| effect.name == name) {
-                self.add(name, format!("light `{}`", light.name));
-            }
+            self.add(name, "the scene's `sky`");
+        }
+        let (delta, discs): (Vec<_>, Vec<_>) = scene.lights.iter().partition(|l| l.kind.is_delta());
+        if let Some(disc) = discs.first() {
+            self.sky = true;
+            self.add("discs in the sky", light_of(disc));
+        }
+        if let Some(delta) = delta.first() {
+            self.add("delta lights", light_of(delta));
         }
         let emits = |m: &&Material| m.emits();
         let worn = worn(scene);
@@ -167,9 +115,10 @@ impl Effects {
     fn surfaces(&mut self, scene: &Scene, transport: bool) {
         let worn = worn(scene);
         let smooth = smooth(scene);
+        let mixed = mixed(scene);
         self.shaders = (0..scene.materials.len())
             .map(|i| match (transport, worn[i]) {
-                (true, true) => Shader::of(&scene.materials[i], smooth[i]),
+                (true, true) => Shader::of(&scene.materials[i], smooth[i] || mixed[i]),
                 _ => Shader::Plain,
             })
             .collect();
@@ -186,6 +135,43 @@ impl Effects {
     }
 }
 
+/// The fewest lights at a finite distance for which a tree is worth its steps: see
+/// docs/performance.md.
+const MANY_LIGHTS: usize = 16;
+
+/// How a render chooses among lights, `auto` resolved, and why.
+#[must_use]
+pub fn light_selection(scene: &Scene, settings: &Settings) -> (LightSelection, String) {
+    let emits: Vec<bool> = scene.materials.iter().map(Material::emits).collect();
+    let triangles = scene.mesh.material.iter().filter(|&&m| emits[m as usize]);
+    let sampled = match settings.strategy {
+        Strategy::Light | Strategy::Mis => triangles.count(),
+        // Only what directions do not find.
+        Strategy::Uniform | Strategy::Cosine => 0,
+    };
+    let points = scene.lights.iter();
+    let near = sampled + points.filter(|l| l.kind.is_near()).count();
+    match settings.light_selection {
+        LightSelection::Auto if near >= MANY_LIGHTS => (
+            LightSelection::Tree,
+            format!("{near} lights at a finite distance"),
+        ),
+        LightSelection::Auto => (
+            LightSelection::Power,
+            format!("fewer than {MANY_LIGHTS} lights at a finite distance"),
+        ),
+        LightSelection::Tree if near == 0 => (
+            LightSelection::Power,
+            "no light at a finite distance".to_owned(),
+        ),
+        asked => (asked, "setting `light_selection`".to_owned()),
+    }
+}
+
+fn light_of(light: &Light) -> String {
+    format!("light `{}`", light.name)
+}
+
 fn material(material: &Material) -> String {
     match material.name.as_str() {
         "" => "a material without a name".to_owned(),
@@ -199,7 +185,35 @@ fn worn(scene: &Scene) -> Vec<bool> {
     for &m in &scene.mesh.material {
         worn[m as usize] = true;
     }
+    spread(scene, &mut worn);
     worn
+}
+
+/// By material: whether it is part of a mixture that any surface wears.
+fn mixed(scene: &Scene) -> Vec<bool> {
+    let worn = worn(scene);
+    let mut mixed = vec![false; worn.len()];
+    for (m, worn) in scene.materials.iter().zip(worn) {
+        if let Bsdf::Mix { first, second, .. } = m.bsdf {
+            mixed[first as usize] |= worn;
+            mixed[second as usize] |= worn;
+        }
+    }
+    mixed
+}
+
+/// Marks the parts of marked mixtures too.
+fn spread(scene: &Scene, marked: &mut [bool]) {
+    let mut stack: Vec<usize> = (0..marked.len()).filter(|&m| marked[m]).collect();
+    while let Some(m) = stack.pop() {
+        if let Bsdf::Mix { first, second, .. } = scene.materials[m].bsdf {
+            for part in [first as usize, second as usize] {
+                if !std::mem::replace(&mut marked[part], true) {
+                    stack.push(part);
+                }
+            }
+        }
+    }
 }
 
 /// By material: whether a surface that wears it has interpolated normals.

@@ -153,6 +153,18 @@ impl LightKind {
         }
     }
 
+    /// Whether it is at a finite distance.
+    #[must_use]
+    pub fn is_near(&self) -> bool {
+        matches!(self, Self::Point { .. })
+    }
+
+    /// Whether no ray finds it.
+    #[must_use]
+    pub fn is_delta(&self) -> bool {
+        self.extent() == 0.0
+    }
+
     /// `1 - cos` of a disc's half angle; 0 for a light that has none.
     #[must_use]
     pub fn extent(&self) -> f64 {

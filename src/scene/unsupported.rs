@@ -26,10 +26,7 @@ impl Scene {
 fn lacking(material: &Material) -> Option<&'static str> {
     let kind = match &material.bsdf {
         Bsdf::Diffuse { reflectance, .. } => reflectance.texture.map(|_| "a textured `albedo`"),
-        Bsdf::Conductor { .. } => Some("kind `conductor`"),
-        Bsdf::Dielectric(_) => Some("kind `dielectric`"),
-        Bsdf::Principled(_) => Some("kind `principled`"),
-        Bsdf::Mix { .. } => Some("kind `mix`"),
+        _ => None,
     };
     let emission = material.emission.texture.map(|_| "a textured `emission`");
     let alpha = material.alpha.map(|_| "`alpha`");

@@ -14,7 +14,10 @@ mod environment;
 mod generate;
 mod instruments;
 mod intersect;
+mod light_tree;
 mod lights;
+mod mixtures;
+mod parameters;
 mod plan;
 mod queue;
 mod recorded;
@@ -76,7 +79,7 @@ impl<'a> Wave<'a> {
             setup,
             paths: Queue::new(capacity),
             hits: Queue::new(capacity),
-            lists: Lists::new(capacity, setup.shaders.len(), setup.wanted),
+            lists: Lists::new(setup),
             surfaces: setup.surfaces(),
             scattered: Queue::new(capacity),
             shadows: Queue::new(shadows),

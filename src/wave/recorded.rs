@@ -45,7 +45,7 @@ pub fn recorded<T>(
     turns: usize,
     with: impl FnOnce(Recorded) -> T,
 ) -> T {
-    let tables = SceneTables::new(scene, settings.strategy.into());
+    let tables = SceneTables::new(scene, settings);
     let effects = Effects::of(scene, settings);
     let filter = filter::shared_table(scene.film.filter);
     let setup = Setup::new(scene, &effects, &tables, geometry, settings, filter);

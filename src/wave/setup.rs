@@ -2,6 +2,7 @@
 
 use super::account::Stage;
 use super::camera;
+use super::mixtures::Mixtures;
 use super::sampling::AnySampler;
 use super::shade::Program;
 use super::sort::{Route, Routes, Wanted};
@@ -21,6 +22,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) tables: Tables<'a>,
     /// The shaders that the scene's materials call for, in the order in which they run.
     pub(crate) shaders: Vec<Shader>,
+    /// Where some materials are mixtures of others.
+    pub(crate) mixtures: Option<Mixtures>,
     /// By material.
     pub(crate) routes: Routes,
     pub(crate) lens: Lens<'a>,
@@ -53,7 +56,7 @@ impl<'a> Setup<'a> {
         } else {
             1
         };
-        let used = |s: &Shader| effects.shaders.contains(s);
+        let used = |s: &Shader| *s != Shader::Mix && effects.shaders.contains(s);
         let shaders: Vec<Shader> = Shader::ALL.into_iter().filter(used).collect();
         let list = |s: &Shader| shaders.iter().position(|t| t == s).unwrap_or(0) as u8;
         let routes = scene.materials.iter().zip(&effects.shaders);
@@ -61,11 +64,13 @@ impl<'a> Setup<'a> {
             emits: m.emits(),
             list: list(shader),
         });
-        let routes = Routes::new(routes.collect());
+        let mixtures = Mixtures::new(scene, effects, settings.seed);
+        let routes = Routes::new(routes.collect(), mixtures.is_some());
         Self {
             geometry,
             tables: scene_tables.view(scene),
             shaders,
+            mixtures,
             routes,
             lens: Lens {
                 camera: camera::in_pixels(&scene.camera, &scene.film),

@@ -92,7 +92,7 @@ impl Program {
             // Where nothing is, nothing occludes.
             sky: match self {
                 Self::Ambient { .. } => true,
-                _ => transport && effects.beyond,
+                _ => transport && effects.sky,
             },
             emission: transport && effects.emission,
             unsampled_only: self == Self::Light,
@@ -145,16 +145,20 @@ pub(crate) fn plain(
         Program::Blind {
             uniform: true,
             delta: false,
-        } => with_sampler!(sampler, s => scatter::<Uniform, NoLights, _>(listed, tables, s, out)),
+        } => {
+            with_sampler!(sampler, s => scatter::<Uniform, NoLights, _>(listed, tables, s, out));
+        }
         Program::Blind {
             uniform: false,
             delta: false,
-        } => with_sampler!(sampler, s => scatter::<Cosine, NoLights, _>(listed, tables, s, out)),
+        } => {
+            with_sampler!(sampler, s => scatter::<Cosine, NoLights, _>(listed, tables, s, out));
+        }
         Program::Blind {
             uniform: true,
             delta: true,
         } => {
-            with_sampler!(sampler, s => scatter::<Uniform, LightsAlone, _>(listed, tables, s, out))
+            with_sampler!(sampler, s => scatter::<Uniform, LightsAlone, _>(listed, tables, s, out));
         }
         Program::Light | Program::Blind { delta: true, .. } => {
             with_sampler!(sampler, s => scatter::<Cosine, LightsAlone, _>(listed, tables, s, out));

@@ -86,6 +86,8 @@ pub(crate) struct Lists {
     pub(crate) emission: IndexList,
     /// Paths at surfaces that scatter, by shader.
     pub(crate) scatter: Vec<IndexList>,
+    /// The material that each path met, where mixtures may have to be drawn from.
+    met: Option<Vec<u32>>,
 }
 
 /// What the lists are for in this render.
@@ -120,21 +122,30 @@ pub(crate) struct Routes {
 }
 
 impl Routes {
-    /// `of` is indexed by material.
-    pub(crate) fn new(of: Vec<Route>) -> Self {
-        let first = of.first().copied();
+    /// `of` is indexed by material; with mixtures, which are drawn by it, it is always looked up.
+    pub(crate) fn new(of: Vec<Route>, mixtures: bool) -> Self {
+        let first = of.first().copied().filter(|_| !mixtures);
         let only = first.filter(|first| of.iter().all(|route| route == first));
         Self { of, only }
     }
 }
 
 impl Lists {
-    /// Lists for waves of `capacity` paths and `shaders` shaders.
-    pub(crate) fn new(capacity: usize, shaders: usize, wanted: Wanted) -> Self {
+    /// The lists that a render needs.
+    pub(crate) fn new(setup: &Setup) -> Self {
+        let Setup {
+            capacity, wanted, ..
+        } = *setup;
+        let mixed = setup.mixtures.is_some();
         Self {
+            met: mixed.then(|| vec![0; capacity]),
             sky: IndexList::new(if wanted.sky { capacity } else { 0 }),
             emission: IndexList::new(if wanted.emission { capacity } else { 0 }),
-            scatter: (0..shaders).map(|_| IndexList::new(capacity)).collect(),
+            scatter: setup
+                .shaders
+                .iter()
+                .map(|_| IndexList::new(capacity))
+                .collect(),
         }
     }
 
@@ -146,6 +157,9 @@ impl Lists {
         }
         if setup.wanted.emission {
             queues.push(self.emission.plan("emission list"));
+        }
+        if let Some(met) = &self.met {
+            queues.push(QueuePlan::list("materials met", met.len()));
         }
         let scatter = setup.shaders.iter().zip(&self.scatter);
         queues.extend(scatter.map(|(&shader, list)| list.plan(Stage::Scatter(shader).name())));
@@ -168,16 +182,23 @@ impl Lists {
         lists.fold(first, |sum, list| sum.plus(&list.tally))
     }
 
-    /// Sorts the first `n` paths. `material` is indexed by triangle.
-    pub(crate) fn sort(
-        &mut self,
-        n: usize,
-        paths: Paths,
-        hits: PathHits,
-        material: &[u32],
-        routes: &Routes,
-        wanted: Wanted,
-    ) {
+    /// The paths at surfaces of shader number `list`.
+    pub(crate) fn scatter<'a>(
+        &'a self,
+        list: usize,
+        paths: Paths<'a>,
+        hits: PathHits<'a>,
+    ) -> Listed<'a> {
+        Listed {
+            material: self.met.as_deref(),
+            ..self.scatter[list].of(paths, hits)
+        }
+    }
+
+    /// Sorts the first `n` paths.
+    pub(crate) fn sort(&mut self, n: usize, paths: Paths, hits: PathHits, setup: &Setup) {
+        let (wanted, routes) = (setup.wanted, &setup.routes);
+        let material = setup.tables.triangles.material;
         self.all().for_each(IndexList::clear);
         for_each_run(&paths.bounces[..n], |bounce, run| {
             for list in self.all() {
@@ -189,12 +210,19 @@ impl Lists {
                 if primitive == NO_PRIMITIVE {
                     self.sky.push_if(i, wanted.sky && light);
                 } else {
-                    let route = match routes.only {
-                        Some(route) => route,
-                        None => routes.of[material[primitive as usize] as usize],
+                    let (material, mut route) = match routes.only {
+                        Some(route) => (0, route),
+                        None => {
+                            let material = material[primitive as usize];
+                            (material, routes.of[material as usize])
+                        }
                     };
                     self.emission
                         .push_if(i, wanted.emission && light && route.emits);
+                    if let (Some(mixtures), Some(met)) = (&setup.mixtures, &mut self.met) {
+                        met[i] = mixtures.draw(&paths, i, material);
+                        route = routes.of[met[i] as usize];
+                    }
                     let list = &mut self.scatter[usize::from(route.list)];
                     list.push_if(i, paths.bounces[i] & LAST_RAY == 0);
                 }

@@ -46,9 +46,7 @@ impl Wave<'_> {
     pub(super) fn sort(&mut self) {
         let (setup, n) = (self.setup, self.paths.len());
         let (paths, hits) = (self.paths.view(), self.hits.view());
-        let material = setup.tables.triangles.material;
-        self.lists
-            .sort(n, paths, hits, material, &setup.routes, setup.wanted);
+        self.lists.sort(n, paths, hits, setup);
         let listed = self.lists.tally();
         let cost = sort::READ * n + sort::WRITTEN * listed.total();
         let sorted = Tally::of(&paths.bounces[..n], 0);
@@ -90,12 +88,16 @@ impl Wave<'_> {
             shadows: self.shadows.view_mut(),
             shadow_len: 0,
         };
-        for (&shader, list) in setup.shaders.iter().zip(&self.lists.scatter) {
+        for (k, &shader) in setup.shaders.iter().enumerate() {
+            let list = &self.lists.scatter[k];
             if list.len() == 0 {
                 continue;
             }
-            let (stage, listed, tally) =
-                (Stage::Scatter(shader), list.of(paths, hits), &list.tally);
+            let (stage, listed, tally) = (
+                Stage::Scatter(shader),
+                self.lists.scatter(k, paths, hits),
+                &list.tally,
+            );
             let before = (out.path_len, out.shadow_len);
             let cost = match &mut self.surfaces {
                 Some(surfaces) if shader != Shader::Plain => {

@@ -76,9 +76,15 @@ impl Surfaces {
             lit: self.lit.view(),
         };
         match shader {
-            Shader::Plain => unreachable!("plain surfaces have a pass of their own"),
+            Shader::Plain | Shader::Mix => unreachable!("they have no rows of their own"),
             Shader::Diffuse => with::<kinds::Diffuse>(program, rows, tables, out),
             Shader::RoughDiffuse => with::<kinds::RoughDiffuse>(program, rows, tables, out),
+            Shader::SmoothConductor => with::<kinds::SmoothConductor>(program, rows, tables, out),
+            Shader::RoughConductor => with::<kinds::RoughConductor>(program, rows, tables, out),
+            Shader::SmoothDielectric => with::<kinds::SmoothDielectric>(program, rows, tables, out),
+            Shader::RoughDielectric => with::<kinds::RoughDielectric>(program, rows, tables, out),
+            Shader::Principled => with::<kinds::Principled<false>>(program, rows, tables, out),
+            Shader::PrincipledGlass => with::<kinds::Principled<true>>(program, rows, tables, out),
         }
     }
 }
@@ -87,7 +93,9 @@ fn with<K: Kind>(program: Program, rows: Rows, tables: &Tables, out: &mut Out) {
     let materials = &tables.materials;
     match program {
         Program::Mis => respond::<K, LightsWeighted>(rows, materials, out),
-        Program::Light => respond::<K, LightsAlone>(rows, materials, out),
+        Program::Light | Program::Blind { delta: true, .. } => {
+            respond::<K, LightsAlone>(rows, materials, out);
+        }
         _ => respond::<K, NoLights>(rows, materials, out),
     }
 }

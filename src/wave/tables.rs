@@ -1,7 +1,9 @@
 //! From a compiled scene to the tables that kernels read.
 
-use super::lights::{LightTables, Sampled};
-use crate::scene::{Bsdf, Material, Mesh, Scene};
+use super::lights::LightTables;
+use super::parameters::parameters;
+use crate::scene::{Mesh, Scene};
+use crate::settings::Settings;
 use huygens_kernels::tables::{Materials, SLOTS, Tables, Triangles};
 
 /// Material columns and light tables.
@@ -15,10 +17,10 @@ pub(crate) struct SceneTables {
 }
 
 impl SceneTables {
-    /// The tables of `scene`, of whose lights next-event estimation samples `sampled`.
-    pub(crate) fn new(scene: &Scene, sampled: Sampled) -> Self {
+    /// The tables of `scene`; of `settings`, how lights are sampled.
+    pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
         let mut tables = Self {
-            lights: LightTables::new(scene, sampled),
+            lights: LightTables::new(scene, settings),
             ..Self::default()
         };
         for m in &scene.materials {
@@ -56,21 +58,6 @@ impl SceneTables {
             lights: self.lights.view(scene),
         }
     }
-}
-
-/// The parameters of a material's BSDF, in the slots where its kernel looks for them
-/// (`huygens_kernels::scatter::kinds`).
-fn parameters(material: &Material) -> [f32; SLOTS] {
-    let mut slots = [0.0; SLOTS];
-    if let Bsdf::Diffuse {
-        reflectance,
-        roughness,
-    } = &material.bsdf
-    {
-        slots[..3].copy_from_slice(&reflectance.factor);
-        slots[3] = *roughness;
-    }
-    slots
 }
 
 /// Relative luminance of linear Rec. 709; never 0 for a colour that is not black.

@@ -85,6 +85,16 @@ pub fn dielectric(cos: Fx, eta: Fx) -> Dielectric {
     }
 }
 
+/// Schlick's term `(1 - cos)^5`, for `cos` in `[0, 1]` (C. Schlick, "An Inexpensive BRDF Model for
+/// Physically-based Rendering", 1994).
+#[inline(always)]
+#[must_use]
+pub fn schlick(cos: Fx) -> Fx {
+    let x = (Fx::ONE - cos).fast_clamp(Fx::ZERO, Fx::ONE);
+    let x2 = x * x;
+    x2 * x2 * x
+}
+
 /// Mean of [`conductor`] over a hemisphere, weighed by the cosine, `2 int F(c) c dc`, by Simpson's
 /// rule on 64 intervals in f64: within 1e-6 for the metals here. Set-up, not for kernels.
 #[must_use]

@@ -19,19 +19,24 @@
 use crate::lanes::{Fx, Mask};
 use crate::vec3::Vec3x;
 
+pub mod charlie;
 mod conductor;
 mod dielectric;
 mod diffuse;
 mod energy;
 pub mod fresnel;
 mod ggx;
+mod principled;
 mod refraction;
 
 pub use conductor::{RoughConductor, SmoothConductor};
 pub use dielectric::{RoughDielectric, SmoothDielectric};
 pub use diffuse::{Lambert, RoughDiffuse};
-pub use energy::{ReflectionEnergy, TransmissionEnergy};
+pub use energy::{
+    AnisotropicEnergy, ReflectionEnergy, SchlickEnergy, SheenEnergy, TransmissionEnergy,
+};
 pub use ggx::ALPHA_FLOOR;
+pub use principled::Principled;
 
 /// The pdf of a direction out of a delta distribution: light sampling cannot find it, so the power
 /// heuristic gives it the weight 1, which it does with this number and no branch.

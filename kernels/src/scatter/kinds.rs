@@ -4,11 +4,20 @@
 //! |---|---|
 //! | [`Diffuse`] | 0-2 reflectance |
 //! | [`RoughDiffuse`] | 0-2 reflectance, 3 roughness |
+//! | [`SmoothConductor`], [`RoughConductor`] | 0-2 eta, 3-5 k, 6-8 tint, 9 roughness, 10 anisotropy, 11-13 mean reflectance |
+//! | [`SmoothDielectric`], [`RoughDielectric`] | 0 index of refraction, 1 thin, 2-4 tint of reflection, 5-7 of transmission, 8 roughness |
+//! | [`Principled`] | 0-2 base colour, 3 metallic, 4 roughness, 5 index of refraction, 6 specular, 7-9 its colour, 10 transmission, 11 thin, 12 coat, 13 its roughness, 14-16 sheen, 17 its roughness |
+//!
+//! A roughness is perceptual, as in glTF: the distribution's width alpha is its square, and at least
+//! [`ALPHA_FLOOR`] where a kernel is for rough surfaces.
 
 use super::respond::Kind;
-use crate::bsdf;
-use crate::lanes::Mask;
+use crate::bsdf::{
+    self, ALPHA_FLOOR, Bsdf, Evaluated, ReflectionEnergy, Sampled, TransmissionEnergy,
+};
+use crate::lanes::{Fx, Mask};
 use crate::tables::Parameters;
+use crate::vec3::Vec3x;
 
 /// Lambertian reflection that is not plain: its surface is interpolated or textured.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +25,66 @@ pub struct Diffuse;
 /// Rough diffuse reflection.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughDiffuse;
+/// A polished metal.
+#[derive(Clone, Copy, Debug)]
+pub struct SmoothConductor;
+/// A rough metal.
+#[derive(Clone, Copy, Debug)]
+pub struct RoughConductor;
+/// Clear glass.
+#[derive(Clone, Copy, Debug)]
+pub struct SmoothDielectric;
+/// Frosted glass.
+#[derive(Clone, Copy, Debug)]
+pub struct RoughDielectric;
+/// The metallic-roughness model; `GLASS` if some of its materials let light pass.
+#[derive(Clone, Copy, Debug)]
+pub struct Principled<const GLASS: bool>;
+
+/// A BSDF times a colour.
+#[derive(Clone, Copy, Debug)]
+pub struct Tinted<B> {
+    bsdf: B,
+    tint: Vec3x,
+}
+
+impl<B: Bsdf> Bsdf for Tinted<B> {
+    #[inline(always)]
+    fn evaluate(&self, o: Vec3x, i: Vec3x) -> Evaluated {
+        let Evaluated { value, pdf } = self.bsdf.evaluate(o, i);
+        Evaluated {
+            value: value.product(self.tint),
+            pdf,
+        }
+    }
+
+    #[inline(always)]
+    fn sample(&self, o: Vec3x, u: [Fx; 3]) -> Sampled {
+        let sampled = self.bsdf.sample(o, u);
+        Sampled {
+            weight: sampled.weight.product(self.tint),
+            ..sampled
+        }
+    }
+}
+
+/// The width of a roughness.
+#[inline(always)]
+fn alpha(roughness: Fx) -> Fx {
+    (roughness * roughness).fast_max(Fx::splat(ALPHA_FLOOR))
+}
+
+/// True where a flag's slot is not 0.
+#[inline(always)]
+fn flag(slot: Fx) -> Mask {
+    slot.simd_gt(Fx::ZERO)
+}
+
+/// The index of the far side over that of the near one.
+#[inline(always)]
+fn relative_index(ior: Fx, front: Mask) -> Fx {
+    front.select(ior, Fx::ONE / ior)
+}
 
 impl Kind for Diffuse {
     type Bsdf = bsdf::Lambert;
@@ -36,6 +105,115 @@ impl Kind for RoughDiffuse {
         bsdf::RoughDiffuse {
             albedo: parameters.colour(0),
             roughness: parameters.number(3),
+        }
+    }
+}
+
+impl Kind for SmoothConductor {
+    type Bsdf = Tinted<bsdf::SmoothConductor>;
+    const DELTA: bool = true;
+    #[inline(always)]
+    fn load(parameters: Parameters, _front: Mask) -> Self::Bsdf {
+        Tinted {
+            bsdf: bsdf::SmoothConductor {
+                eta: parameters.colour(0),
+                k: parameters.colour(3),
+            },
+            tint: parameters.colour(6),
+        }
+    }
+}
+
+impl Kind for RoughConductor {
+    type Bsdf = Tinted<bsdf::RoughConductor<'static>>;
+    const DELTA: bool = false;
+    #[inline(always)]
+    fn load(parameters: Parameters, _front: Mask) -> Self::Bsdf {
+        let roughness = parameters.number(9);
+        let (width, anisotropy) = (roughness * roughness, parameters.number(10));
+        let along = |factor: Fx| {
+            let alpha = width * factor;
+            alpha.fast_max(Fx::splat(ALPHA_FLOOR)).fast_min(Fx::ONE)
+        };
+        Tinted {
+            bsdf: bsdf::RoughConductor {
+                eta: parameters.colour(0),
+                k: parameters.colour(3),
+                mean: parameters.colour(11),
+                alpha: [along(Fx::ONE + anisotropy), along(Fx::ONE - anisotropy)],
+                energy: ReflectionEnergy::table(),
+            },
+            tint: parameters.colour(6),
+        }
+    }
+}
+
+#[inline(always)]
+fn glass(parameters: Parameters, front: Mask) -> bsdf::SmoothDielectric {
+    let (ior, thin) = (parameters.number(0), flag(parameters.number(1)));
+    bsdf::SmoothDielectric {
+        eta: relative_index(ior, front | thin),
+        thin,
+        reflection: parameters.colour(2),
+        transmission: parameters.colour(5),
+    }
+}
+
+impl Kind for SmoothDielectric {
+    type Bsdf = bsdf::SmoothDielectric;
+    const DELTA: bool = true;
+    const PASSES: bool = true;
+    #[inline(always)]
+    fn load(parameters: Parameters, front: Mask) -> Self::Bsdf {
+        glass(parameters, front)
+    }
+}
+
+impl Kind for RoughDielectric {
+    type Bsdf = bsdf::RoughDielectric<'static>;
+    const DELTA: bool = false;
+    const PASSES: bool = true;
+    #[inline(always)]
+    fn load(parameters: Parameters, front: Mask) -> Self::Bsdf {
+        bsdf::RoughDielectric {
+            surface: glass(parameters, front),
+            alpha: alpha(parameters.number(8)),
+            energy: TransmissionEnergy::table(),
+        }
+    }
+}
+
+impl<const GLASS: bool> Kind for Principled<GLASS> {
+    type Bsdf = bsdf::Principled;
+    const DELTA: bool = false;
+    const PASSES: bool = GLASS;
+    #[inline(always)]
+    fn load(parameters: Parameters, front: Mask) -> Self::Bsdf {
+        let thin = flag(parameters.number(11));
+        // What lets nothing pass is alike on both sides.
+        let outside = if GLASS {
+            front | thin | !flag(parameters.number(10))
+        } else {
+            Fx::ZERO.simd_eq(Fx::ZERO)
+        };
+        let floor = Fx::splat(bsdf::charlie::ROUGHNESS_FLOOR);
+        bsdf::Principled {
+            base: parameters.colour(0),
+            metallic: parameters.number(3),
+            alpha: alpha(parameters.number(4)),
+            eta: relative_index(parameters.number(5), outside),
+            specular: parameters.number(6),
+            specular_color: parameters.colour(7),
+            transmission: if GLASS {
+                parameters.number(10)
+            } else {
+                Fx::ZERO
+            },
+            thin,
+            coat: parameters.number(12),
+            coat_alpha: alpha(parameters.number(13)),
+            sheen: parameters.colour(14),
+            sheen_roughness: parameters.number(17).fast_max(floor),
         }
     }
 }

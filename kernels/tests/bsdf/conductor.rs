@@ -8,13 +8,14 @@ use crate::harness::{
 use crate::twin;
 use huygens_kernels::bsdf::fresnel::{METALS, Metal, conductor_mean};
 use huygens_kernels::bsdf::{
-    ALPHA_FLOOR, Bsdf, DELTA_PDF, ReflectionEnergy, RoughConductor, SmoothConductor,
+    ALPHA_FLOOR, AnisotropicEnergy, Bsdf, DELTA_PDF, ReflectionEnergy, RoughConductor,
+    SmoothConductor,
 };
 use huygens_kernels::lanes::Fx;
 use huygens_kernels::vec3::Vec3x;
 use std::f64::consts::PI;
 
-const WIDTHS: [[f32; 2]; 9] = [
+const WIDTHS: [[f32; 2]; 11] = [
     [ALPHA_FLOOR, ALPHA_FLOOR],
     [0.0023, 0.0023],
     [0.02, 0.02],
@@ -24,6 +25,8 @@ const WIDTHS: [[f32; 2]; 9] = [
     [0.5, 0.05],
     [0.01, 0.3],
     [1.0, 0.1],
+    [0.3, 0.25],
+    [0.15, 0.7],
 ];
 
 /// Reflects everything.
@@ -57,19 +60,18 @@ fn samples_follow_their_pdf() {
                 continue;
             }
             let o = direction(cos, 0.7);
-            let map = if alpha[0].min(alpha[1]) < 0.5 {
-                Map::reflecting(o, alpha)
+            let least = alpha[0].min(alpha[1]);
+            let maps = if alpha[0].max(alpha[1]) < 0.1 && cos < 0.1 {
+                // Away from the lobe there is the light that met more facets, along the horizon.
+                let scale = f64::from(alpha[0] * alpha[1]).sqrt();
+                [Map::reflecting(o, alpha), Map::Horizon { o, scale }]
+            } else if least < 0.5 && (least < 0.1 || cos < 0.1) {
+                [Map::reflecting(o, alpha), Map::Even]
             } else {
-                Map::Even
+                [Map::Even; 2]
             };
             let name = format!("conductor {alpha:?} from {cos}");
-            chi_square(
-                &mut suite,
-                &name,
-                &rough(&METALS[0], alpha),
-                o,
-                [map, Map::Even],
-            );
+            chi_square(&mut suite, &name, &rough(&METALS[0], alpha), o, maps);
         }
     }
     suite.finish();
@@ -87,12 +89,11 @@ fn a_perfect_mirror_of_any_roughness_keeps_all_light_and_gains_none() {
                     albedo.most <= 1.0 + albedo.half,
                     "{alpha:?} {cos}: {albedo:?}"
                 );
-                if alpha[0] == alpha[1] {
-                    assert!(
-                        albedo.least >= 0.99 - albedo.half,
-                        "{alpha:?} {cos}: {albedo:?}"
-                    );
-                }
+                let least = if alpha[0] == alpha[1] { 0.99 } else { 0.98 };
+                assert!(
+                    albedo.least >= least - albedo.half,
+                    "{alpha:?} {cos}: {albedo:?}"
+                );
                 let gold = furnace(&rough(&METALS[0], alpha), o, 1.0, comparisons);
                 assert!(gold.most <= 1.0 + gold.half, "{alpha:?} {cos}: {gold:?}");
             }
@@ -129,6 +130,23 @@ fn the_ends_of_the_unit_cube_and_grazing_directions_are_sound() {
 }
 
 #[test]
+fn no_weight_is_above_twelve() {
+    let mut source = Source(43);
+    for alpha in WIDTHS {
+        let mut most = 0f32;
+        let bsdf = rough(&MIRROR, alpha);
+        for cos in COSINES {
+            for _ in 0..2000 {
+                let u = std::array::from_fn(|_| source.unit_lanes());
+                let drawn = bsdf.sample(splat(direction(cos, 1.0)), u);
+                most = drawn.weight.x.to_array().into_iter().fold(most, f32::max);
+            }
+        }
+        assert!(most <= 12.0, "{alpha:?}: {most}");
+    }
+}
+
+#[test]
 fn lanes_agree_with_the_formula_in_f64_and_both_ways_round() {
     let table = ReflectionEnergy::table();
     let mut source = Source(41);
@@ -153,12 +171,21 @@ fn lanes_agree_with_the_formula_in_f64_and_both_ways_round() {
             let (once, pdf) = twin::reflection(o, i, widths);
             let h = twin::normalized(twin::sum(o, i));
             let lane = |x: Fx| f64::from(x.as_array()[0]);
-            let geometric = Fx::splat(alpha[0] * alpha[1]).sqrt();
+            let isotropic = alpha[0] == alpha[1];
+            let width = Fx::splat(alpha[0]);
+            let brushed = AnisotropicEnergy::table();
             let lost = |w: [f64; 3]| {
-                let at = |width: Fx| lane(table.lost(Fx::splat(w[2] as f32), width));
-                at(geometric).min(at(Fx::splat(alpha[0].min(alpha[1]))))
+                lane(if isotropic {
+                    table.lost(Fx::splat(w[2] as f32), width)
+                } else {
+                    brushed.lost(splat(w), alpha.map(Fx::splat))
+                })
             };
-            let lost_mean = lane(table.mean_lost(geometric));
+            let lost_mean = lane(if isotropic {
+                table.mean_lost(width)
+            } else {
+                brushed.mean_lost(alpha.map(Fx::splat))
+            });
             let kept = 1.0 - lost_mean;
             let bound = bound(o, i, alpha);
             for c in 0..3 {
@@ -177,7 +204,9 @@ fn lanes_agree_with_the_formula_in_f64_and_both_ways_round() {
                 let value = f64::from(back.value.lane(0)[c]) / o[2];
                 assert_close(&format!("{alpha:?} {o:?} {i:?} back"), value, twin, bound);
             }
-            let twin = lost(o) * i[2] / PI + (1.0 - lost(o)) * pdf;
+            let width = (widths[0] * widths[1]).sqrt();
+            let low = width * (1.0 + width) / (2.0 * PI * (i[2] + width).powi(2));
+            let twin = lost(o) * 0.5 * (i[2] / PI + low) + (1.0 - lost(o)) * pdf;
             assert_close("pdf", lane(there.pdf), twin, bound);
         }
     }
@@ -189,9 +218,9 @@ fn energy_is_never_underestimated_and_hardly_overestimated() {
     for alpha in [0.05f32, 0.1, 0.17, 0.33, 0.5, 0.71, 0.9, 1.0] {
         for cos in [0.05f32, 0.11, 0.2, 0.37, 0.55, 0.8, 0.95, 1.0] {
             let taken = 1.0 - table.lost(Fx::splat(cos), Fx::splat(alpha)).as_array()[0];
-            let truth = twin::reflected_energy(f64::from(cos), f64::from(alpha), 512);
+            let truth = twin::reflected_energy(f64::from(cos), f64::from(alpha), 256);
             // The table's promise, and what halving the quadrature's step shows of its own error.
-            let coarse = twin::reflected_energy(f64::from(cos), f64::from(alpha), 256);
+            let coarse = twin::reflected_energy(f64::from(cos), f64::from(alpha), 128);
             let own = (truth - coarse).abs();
             let off = f64::from(taken) - truth;
             assert!(
@@ -199,17 +228,22 @@ fn energy_is_never_underestimated_and_hardly_overestimated() {
                 "{alpha} {cos}: {off} {own}"
             );
         }
-        // The mean is that of the table's own function.
-        const STEPS: u32 = 1 << 12;
+    }
+    // The mean is that of the table's own function, in the root of the cosine.
+    const STEPS: u32 = 1 << 12;
+    for alpha in [
+        0.0011f32, 0.0023, 0.01, 0.03, 0.05, 0.1, 0.17, 0.33, 0.5, 0.71, 0.9, 1.0,
+    ] {
         let at = |k: u32| {
-            let cos = (f64::from(k) + 0.5) / f64::from(STEPS);
-            let e = table.lost(Fx::splat(cos as f32), Fx::splat(alpha));
-            2.0 * cos * f64::from(e.as_array()[0]) / f64::from(STEPS)
+            let root = (f64::from(k) + 0.5) / f64::from(STEPS);
+            let lost = table.lost(Fx::splat((root * root) as f32), Fx::splat(alpha));
+            4.0 * root.powi(3) * f64::from(lost.as_array()[0]) / f64::from(STEPS)
         };
         let mean = (0..STEPS).map(at).sum::<f64>();
         let taken = f64::from(table.mean_lost(Fx::splat(alpha)).as_array()[0]);
         // The table's promise.
-        assert!((mean - taken).abs() < 1e-4, "{alpha}: {mean} {taken}");
+        let (off, more) = (taken / mean - 1.0, if alpha < 0.01 { 0.11 } else { 0.02 });
+        assert!((-0.01..=more).contains(&off), "{alpha}: {mean} {taken}");
     }
 }
 

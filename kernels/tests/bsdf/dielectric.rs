@@ -142,7 +142,7 @@ fn samples_follow_their_pdf() {
     let mut suite = Suite::default();
     for eta in INDICES {
         for alpha in WIDTHS {
-            for cos in [0.05, 0.3, 0.6, 0.9, 1.0] {
+            for cos in [0.05, 0.6, 1.0] {
                 for thin in [false, true] {
                     let n = f64::from(eta);
                     let unspread = !thin && unspread(n, f64::from(alpha));
@@ -224,7 +224,7 @@ fn bound(o: [f64; 3], i: [f64; 3], alpha: f64, eta: f64, passed: bool) -> f64 {
 
 #[test]
 fn the_ends_of_the_unit_cube_and_grazing_directions_are_sound() {
-    for eta in INDICES.into_iter().chain([1.0, 1.02, 0.97, 4.0]) {
+    for eta in [1.5, 0.8, 1.0, 1.02, 0.97, 4.0] {
         for alpha in WIDTHS {
             for cos in COSINES.into_iter().chain([1e-7]) {
                 for thin in [false, true] {
@@ -316,6 +316,29 @@ fn lanes_agree_with_the_formula_in_f64_and_what_is_scaled_is_reciprocal() {
     }
     // Enough were met for the comparison to be one.
     assert!(compared.iter().all(|&c| c > 1000), "{compared:?}");
+}
+
+#[test]
+fn no_weight_is_above_eight() {
+    let mut source = Source(55);
+    for eta in INDICES.into_iter().chain([0.94, 0.97, 1.06, 4.0]) {
+        for alpha in WIDTHS {
+            for cos in COSINES {
+                let bsdf = rough(eta, alpha, false);
+                for _ in 0..100 {
+                    let u = std::array::from_fn(|_| source.unit_lanes());
+                    let drawn = bsdf.sample(splat(direction(cos, 1.0)), u);
+                    let passed = drawn.direction.z.simd_lt(Fx::ZERO);
+                    let scale = passed.select(Fx::splat(eta * eta), Fx::ONE);
+                    let weight = drawn.weight.x * scale;
+                    assert!(
+                        weight.simd_le(Fx::splat(8.0)).all(),
+                        "{eta} {alpha} {cos}: {weight:?}"
+                    );
+                }
+            }
+        }
+    }
 }
 
 #[test]

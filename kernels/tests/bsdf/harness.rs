@@ -39,6 +39,10 @@ pub(crate) fn lanes_of(directions: [[f64; 3]; LANES]) -> Vec3x {
 pub(crate) enum Map {
     /// Cells of equal area on the sphere; the horizon is the boundary of two rings.
     Even,
+    /// By `(1 + s) z / (z + s)` and the azimuth, for directions above the surface that lie at heights
+    /// of about `s`, the scale. As the second of two maps it takes what is not ahead of `o`, instead of
+    /// what is transmitted.
+    Horizon { o: [f64; 3], scale: f64 },
     /// By the facet that sends light there from `o`: `r / (1 + r)` for its slope over its width, and
     /// the azimuth, so that cells are as narrow as the lobe, and the density of visible normals stays
     /// finite at large slopes. `eta` is that of a refraction, 0 for a reflection.
@@ -59,6 +63,7 @@ impl Map {
     fn map(self, w: [f64; 3]) -> [f64; 2] {
         let [q, y, x] = match self {
             Self::Even => [0.5 * (1.0 - w[2]), w[1], w[0]],
+            Self::Horizon { scale, .. } => [(1.0 + scale) * w[2] / (w[2] + scale), w[1], w[0]],
             Self::Facets { o, alpha, eta } => {
                 let i = if eta == 0.0 { w } else { w.map(|c| c * eta) };
                 let h: [f64; 3] = std::array::from_fn(|c| o[c] + i[c]);
@@ -79,6 +84,13 @@ impl Map {
                 let cos = 1.0 - 2.0 * q;
                 let sin = 2.0 * (q * (1.0 - q)).sqrt();
                 Some(([sin * x, sin * y, cos], 2.0 * TAU))
+            }
+            Self::Horizon { scale, .. } => {
+                let rest = 1.0 + scale - q;
+                let cos = scale * q / rest;
+                let sin = ((1.0 - cos) * (1.0 + cos)).sqrt();
+                let density = TAU * scale * (1.0 + scale) / (rest * rest);
+                Some(([sin * x, sin * y, cos], density))
             }
             Self::Facets { o, alpha, eta } => {
                 let r = q / (1.0 - q);
@@ -104,6 +116,17 @@ impl Map {
             }
         }
     }
+}
+
+/// Which of two maps a direction falls to.
+fn side_of(maps: &[Map; 2], w: [f64; 3]) -> usize {
+    usize::from(match maps[1] {
+        Map::Horizon { o, .. } => {
+            let ahead = -(w[0] * o[0] + w[1] * o[1]) / (w[0].hypot(w[1]) * o[0].hypot(o[1]));
+            ahead < 0.98
+        }
+        _ => w[2] < 0.0,
+    })
 }
 
 const RINGS: usize = 16;
@@ -134,7 +157,7 @@ pub(crate) fn chi_square(
                 continue;
             }
             let w = drawn.direction.lane(lane).map(f64::from);
-            let side = usize::from(w[2] < 0.0);
+            let side = side_of(&maps, w);
             let [q, turn] = maps[side].map(w);
             let ring = ((q * RINGS as f64) as usize).min(RINGS - 1);
             let sector = ((turn * SECTORS as f64) as usize).min(SECTORS - 1);
@@ -146,7 +169,7 @@ pub(crate) fn chi_square(
             let (side, ring, sector) = (cell / CELLS, cell % CELLS / SECTORS, cell % SECTORS);
             let corner = [ring as f64 / RINGS as f64, sector as f64 / SECTORS as f64];
             let extent = [1.0 / RINGS as f64, 1.0 / SECTORS as f64];
-            DRAWS as f64 * cell_probability(bsdf, o, maps[side], side, corner, extent)
+            DRAWS as f64 * cell_probability(bsdf, o, &maps, side, corner, extent)
         })
         .collect();
     let valid: f64 = expected.iter().sum();
@@ -189,15 +212,23 @@ pub(crate) fn chi_square(
 fn cell_probability(
     bsdf: &impl Bsdf,
     o: [f64; 3],
-    map: Map,
+    maps: &[Map; 2],
     side: usize,
     corner: [f64; 2],
     extent: [f64; 2],
 ) -> f64 {
-    let part = 1.0 / FINE as f64;
+    let map = maps[side];
+    let fine = match map {
+        Map::Even => FINE,
+        Map::Horizon { .. } => 2 * FINE,
+        // The outermost ring holds all that is not in the lobe.
+        Map::Facets { .. } if corner[0] + extent[0] > 0.999 => 8 * FINE,
+        Map::Facets { .. } => FINE,
+    };
+    let part = 1.0 / fine as f64;
     let mut sum = 0.0;
-    for row in 0..FINE {
-        for first in (0..FINE).step_by(LANES) {
+    for row in 0..fine {
+        for first in (0..fine).step_by(LANES) {
             let points: [Option<([f64; 3], f64)>; LANES] = std::array::from_fn(|lane| {
                 map.unmap([
                     corner[0] + extent[0] * part * (row as f64 + 0.5),
@@ -208,7 +239,7 @@ fn cell_probability(
             let pdf = bsdf.evaluate(splat(o), lanes_of(directions)).pdf;
             for lane in 0..LANES {
                 if let Some((w, density)) = points[lane]
-                    && usize::from(w[2] < 0.0) == side
+                    && side_of(maps, w) == side
                 {
                     sum += f64::from(pdf.as_array()[lane]) * density;
                 }
@@ -234,7 +265,7 @@ pub(crate) struct Albedo {
 /// ratio), Student's t over the 16, corrected for `comparisons` tests.
 pub(crate) fn furnace(bsdf: &impl Bsdf, o: [f64; 3], eta: f64, comparisons: usize) -> Albedo {
     const SHIFTS: usize = 16;
-    const POINTS: usize = 1 << 12;
+    const POINTS: usize = 1 << 11;
     const GOLDEN: f64 = 1.220_744_084_605_759_6;
     let mut source = Source(29);
     let step: [f64; 3] = std::array::from_fn(|k| GOLDEN.powi(-(k as i32 + 1)));

@@ -9,4 +9,6 @@ mod conductor;
 mod dielectric;
 mod diffuse;
 mod fresnel;
+mod lanes;
+mod principled;
 mod twin;

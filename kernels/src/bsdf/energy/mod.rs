@@ -1,5 +1,7 @@
 //! What single scattering keeps of the light on a rough surface, as tables, for compensating the
-//! rest: [`ReflectionEnergy`] for metals and thin walls, [`TransmissionEnergy`] for dielectrics.
+//! rest: [`ReflectionEnergy`] for metals and thin walls, [`AnisotropicEnergy`] for
+//! brushed metals, [`TransmissionEnergy`] for dielectrics;
+//! and what [`crate::bsdf::Principled`] reflects above its base: [`SchlickEnergy`], [`SheenEnergy`].
 //!
 //! Each is built once, at first use, from the kernels' own functions: with visible normals, an albedo
 //! is the mean over the unit square of weights that never exceed 1, taken by the midpoint rule. No
@@ -9,10 +11,16 @@
 //! coordinate is `t = sqrt((1 + alpha) o.z / (o.z + alpha))`, in which it is smooth down to the floor
 //! of alpha, and `sqrt(alpha)` across. All is linear between entries.
 
+mod anisotropic;
 mod reflection;
+mod schlick;
+mod sheen;
 mod transmission;
 
+pub use anisotropic::AnisotropicEnergy;
 pub use reflection::ReflectionEnergy;
+pub use schlick::SchlickEnergy;
+pub use sheen::SheenEnergy;
 pub use transmission::TransmissionEnergy;
 
 use super::ggx::ALPHA_FLOOR;
@@ -54,6 +62,24 @@ fn coordinate(cos: Fx, alpha: Fx) -> Fx {
 /// The cosine whose coordinate is `t`.
 fn cosine_at(t: f64, alpha: f64) -> f64 {
     alpha * t * t / (1.0 + alpha - t * t)
+}
+
+/// A coordinate for what is also steep in the cosine itself, as towards the edge of total reflection:
+/// half of the entries where [`coordinate`] has them, half evenly along the cosine.
+#[inline(always)]
+fn even(cos: Fx, alpha: Fx) -> Fx {
+    (coordinate(cos, alpha) + cos) * Fx::splat(0.5)
+}
+
+/// The cosine at which [`even`] is `t`, by bisection.
+fn even_at(t: f64, alpha: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..40 {
+        let cos: f64 = 0.5 * (low + high);
+        let at = 0.5 * (((1.0 + alpha) * cos / (cos + alpha)).sqrt() + cos);
+        if at < t { low = cos } else { high = cos }
+    }
+    high
 }
 
 /// `sqrt(alpha)` between the floor and 1.

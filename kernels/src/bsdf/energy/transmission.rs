@@ -11,7 +11,10 @@
 //! 0.0077 where `eta < 1` (against 96 x 96 points, on a grid between the entries); entries are raised
 //! by [`MARGIN`], so that a furnace never gains.
 
-use super::{Between, ReflectionEnergy, across, alpha_of, coordinate, cosine_at, over_unit_square};
+use super::{
+    Between, ReflectionEnergy, across, alpha_of, coordinate, cosine_at, even, even_at,
+    over_unit_square,
+};
 use crate::bsdf::fresnel::dielectric;
 use crate::bsdf::ggx::{Ggx, reflect};
 use crate::bsdf::refraction::Refraction;
@@ -128,24 +131,6 @@ impl Place {
         let sheet = |offset: usize| self.width.mix(line(offset), line(offset + COSINES));
         self.index.mix(sheet(0), sheet(WIDTHS * COSINES))
     }
-}
-
-/// Half of the entries where the other table has them, half evenly along the cosine, for the edge of
-/// total reflection.
-#[inline(always)]
-fn even(cos: Fx, alpha: Fx) -> Fx {
-    (coordinate(cos, alpha) + cos) * Fx::splat(0.5)
-}
-
-/// The cosine at which [`even`] is `t`, by bisection.
-fn even_at(t: f64, alpha: f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..40 {
-        let cos: f64 = 0.5 * (low + high);
-        let at = 0.5 * (((1.0 + alpha) * cos / (cos + alpha)).sqrt() + cos);
-        if at < t { low = cos } else { high = cos }
-    }
-    high
 }
 
 /// `E` for light from a cosine.

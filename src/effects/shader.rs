@@ -1,0 +1,125 @@
+//! Shaders: the kinds of scattering that have a kernel of their own.
+
+use crate::scene::material::Principled;
+use crate::scene::{Bsdf, Material, Textured};
+use huygens_kernels::bsdf::ALPHA_FLOOR;
+
+/// What scatters at a surface: each has a kernel of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Shader {
+    /// Lambertian, flat and of one colour: one pass from hit to scattered path.
+    Plain,
+    /// Lambertian otherwise.
+    Diffuse,
+    /// Rough diffuse.
+    RoughDiffuse,
+    /// Polished metal.
+    SmoothConductor,
+    /// Rough metal.
+    RoughConductor,
+    /// Clear glass.
+    SmoothDielectric,
+    /// Frosted glass.
+    RoughDielectric,
+    /// The metallic-roughness model, where nothing passes.
+    Principled,
+    /// The same where light passes.
+    PrincipledGlass,
+    /// One of two others, at random.
+    Mix,
+}
+
+impl Shader {
+    /// All there are, in the order in which they run.
+    pub const ALL: [Self; 10] = [
+        Self::Plain,
+        Self::Diffuse,
+        Self::RoughDiffuse,
+        Self::SmoothConductor,
+        Self::RoughConductor,
+        Self::SmoothDielectric,
+        Self::RoughDielectric,
+        Self::Principled,
+        Self::PrincipledGlass,
+        Self::Mix,
+    ];
+
+    /// The effect's name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "plain diffuse",
+            Self::Diffuse => "diffuse",
+            Self::RoughDiffuse => "rough diffuse",
+            Self::SmoothConductor => "smooth conductor",
+            Self::RoughConductor => "rough conductor",
+            Self::SmoothDielectric => "smooth dielectric",
+            Self::RoughDielectric => "rough dielectric",
+            Self::Principled => "principled",
+            Self::PrincipledGlass => "principled glass",
+            Self::Mix => "mix",
+        }
+    }
+
+    /// Its stage's name.
+    #[must_use]
+    pub fn stage(self) -> &'static str {
+        match self {
+            Self::Plain => "shade: surface",
+            Self::Diffuse => "shade: diffuse",
+            Self::RoughDiffuse => "shade: rough diffuse",
+            Self::SmoothConductor => "shade: smooth conductor",
+            Self::RoughConductor => "shade: rough conductor",
+            Self::SmoothDielectric => "shade: smooth dielectric",
+            Self::RoughDielectric => "shade: rough dielectric",
+            Self::Principled => "shade: principled",
+            Self::PrincipledGlass => "shade: principled glass",
+            Self::Mix => "shade: mix",
+        }
+    }
+
+    /// Whether light can only be found by following its directions.
+    #[must_use]
+    pub fn is_delta(self) -> bool {
+        matches!(self, Self::SmoothConductor | Self::SmoothDielectric)
+    }
+
+    /// Whether light passes through.
+    #[must_use]
+    pub fn passes(self) -> bool {
+        matches!(
+            self,
+            Self::SmoothDielectric | Self::RoughDielectric | Self::PrincipledGlass
+        )
+    }
+
+    /// The shader of a material; `bent` if it cannot be plain: a surface that wears it has
+    /// interpolated normals, or it is part of a mixture.
+    pub(super) fn of(material: &Material, bent: bool) -> Self {
+        let polished = |roughness: &Textured<f32>| {
+            roughness.texture.is_none() && roughness.factor * roughness.factor < ALPHA_FLOOR
+        };
+        match &material.bsdf {
+            Bsdf::Diffuse { roughness, .. } if *roughness > 0.0 => Self::RoughDiffuse,
+            Bsdf::Diffuse { reflectance, .. } => {
+                if bent || material.normal_map.is_some() || reflectance.texture.is_some() {
+                    Self::Diffuse
+                } else {
+                    Self::Plain
+                }
+            }
+            Bsdf::Conductor { roughness, .. } if polished(roughness) => Self::SmoothConductor,
+            Bsdf::Conductor { .. } => Self::RoughConductor,
+            Bsdf::Dielectric(glass) if polished(&glass.roughness) => Self::SmoothDielectric,
+            Bsdf::Dielectric(_) => Self::RoughDielectric,
+            Bsdf::Principled(p) if passes(p) => Self::PrincipledGlass,
+            Bsdf::Principled(_) => Self::Principled,
+            Bsdf::Mix { .. } => Self::Mix,
+        }
+    }
+}
+
+fn passes(p: &Principled) -> bool {
+    let metal = p.metallic.texture.is_none() && p.metallic.factor >= 1.0;
+    p.transmission.factor > 0.0 && !metal
+}
