@@ -20,8 +20,8 @@ use std::path::{Path, PathBuf};
 #[command(args_override_self = true)]
 #[command(after_help = "Exit code 3: slower than what it was compared with, beyond --threshold.")]
 pub(crate) struct Args {
-    /// Run one stage once over queues recorded from a scene, for tools that count instructions (see
-    /// docs/benchmarks.md); without a value, list what there is
+    /// Run one stage over queues recorded from a scene, for tools that count instructions (see
+    /// docs/benchmarks.md); without a value, one after the other
     #[arg(long, value_name = "SCENE/STAGE", num_args = 0..=1, default_missing_value = "")]
     stage: Option<String>,
 

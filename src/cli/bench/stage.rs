@@ -1,4 +1,4 @@
-//! One stage, once, over recorded queues: what `benches/instructions/run.sh` counts.
+//! Stages by themselves, over recorded queues: what `benches/instructions/run.sh` counts.
 
 use crate::cli::failure::Failure;
 use crate::cli::text::out;
@@ -10,15 +10,11 @@ use miette::IntoDiagnostic;
 /// Of the suite, scenes that are made in no time, also under an emulator.
 const SCENES: [&str; 2] = ["box", "interior"];
 
-/// Runs `scene/stage` and prints it with its items; all of them, if it is empty.
+/// Runs `scene/stage` and prints it with its items; one after the other, if `case` is empty.
 pub(super) fn run(case: &str) -> Result<(), Failure> {
     if case.is_empty() {
-        for scene in SUITE.iter().filter(|s| SCENES.contains(&s.name)) {
-            for stage in RECORDED_STAGES {
-                print(scene, stage)?;
-            }
-        }
-        return Ok(());
+        let mut scenes = SUITE.iter().filter(|s| SCENES.contains(&s.name));
+        return scenes.try_for_each(|scene| count(scene, &RECORDED_STAGES));
     }
     let known = case.split_once('/').and_then(|(scene, stage)| {
         let named = |s: &&Standard| s.name == scene && SCENES.contains(&scene);
@@ -26,7 +22,7 @@ pub(super) fn run(case: &str) -> Result<(), Failure> {
         Some((scene, *RECORDED_STAGES.iter().find(|s| **s == stage)?))
     });
     match known {
-        Some((scene, stage)) => print(scene, stage),
+        Some((scene, stage)) => count(scene, &[stage]),
         None => Err(Failure::input(format!(
             "--stage: found {case}, expected a scene ({}) and a stage ({}), as box/sort",
             SCENES.join(", "),
@@ -35,18 +31,17 @@ pub(super) fn run(case: &str) -> Result<(), Failure> {
     }
 }
 
-fn print(scene: &Standard, stage: &str) -> Result<(), Failure> {
-    let prepared = Prepared::new(scene)
-        .into_diagnostic()
-        .map_err(Failure::Other)?;
-    let items = prepared.recorded(|mut recorded| {
-        // Once before, so that pages are there and branches are known.
-        recorded.run(stage);
-        counted(&mut recorded, stage)
+fn count(scene: &Standard, stages: &[&str]) -> Result<(), Failure> {
+    let prepared = Prepared::new(scene).into_diagnostic();
+    let prepared = prepared.map_err(Failure::Other)?;
+    prepared.recorded(|mut recorded| {
+        for stage in stages {
+            // Once before, so that pages are there and branches are known.
+            recorded.run(stage);
+            let items = counted(&mut recorded, stage);
+            out(&format!("{}/{stage} {items}\n", scene.name));
+        }
     });
-    if items > 0 {
-        out(&format!("{}/{stage} {items}\n", scene.name));
-    }
     Ok(())
 }
 
