@@ -6,7 +6,7 @@ use super::camera;
 use super::mixtures::Mixtures;
 use super::sampling::AnySampler;
 use super::shade::Program;
-use super::sort::{Route, Wanted};
+use super::sort::{Route, Routes, Wanted};
 use super::surfaces::Surfaces;
 use super::tables::{self, SceneTables};
 use crate::effects::{Effects, Shader};
@@ -26,7 +26,7 @@ pub(crate) struct Setup<'a> {
     /// Where some materials are mixtures of others.
     pub(crate) mixtures: Option<Mixtures>,
     /// By material.
-    pub(crate) routes: Vec<Route>,
+    pub(crate) routes: Routes,
     pub(crate) lens: Lens<'a>,
     pub(crate) sampler: AnySampler,
     pub(crate) program: Program,
@@ -72,12 +72,13 @@ impl<'a> Setup<'a> {
             emits: m.emits(),
             list: list(shader),
         });
-        let routes = routes.collect();
+        let mixtures = Mixtures::new(scene, effects, settings.seed);
+        let routes = Routes::new(routes.collect(), mixtures.is_some());
         Self {
             geometry,
             tables: scene_tables.view(scene),
             shaders,
-            mixtures: Mixtures::new(scene, effects, settings.seed),
+            mixtures,
             routes,
             lens: Lens {
                 camera: camera::in_pixels(&scene.camera, &scene.film),
