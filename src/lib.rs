@@ -17,9 +17,11 @@
 //! ```
 
 pub mod accuracy;
+pub mod effects;
 pub mod estimate;
 pub mod film;
 pub mod geometry;
+pub mod processor;
 pub mod reference;
 pub mod scene;
 pub mod settings;

@@ -81,8 +81,8 @@ impl<'a> Reference<'a> {
                 corner: a,
                 edges: [b - a, c - a],
                 normal: (b - a).cross(c - a).normalize(),
-                albedo: vector(material.albedo),
-                emission: vector(material.emission),
+                albedo: vector(material.albedo(&scene.materials)),
+                emission: vector(material.emission.factor),
                 two_sided: material.two_sided,
             }
         });

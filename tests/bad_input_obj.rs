@@ -90,7 +90,7 @@ fn missing_mtl_is_grey() {
         ["a.obj:1: material library none.mtl: no such file; its materials are taken as grey"]
     );
     assert_eq!(scene.materials[0].name, "red");
-    assert_eq!(scene.materials[0].albedo, [0.5; 3]);
+    assert_eq!(scene.materials[0].albedo(&scene.materials), [0.5; 3]);
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn materials_of_an_mtl() {
     let colours: Vec<_> = scene
         .materials
         .iter()
-        .map(|m| (m.name.as_str(), m.albedo, m.emission))
+        .map(|m| (m.name.as_str(), m.albedo(&[]), m.emission.factor))
         .collect();
     assert_eq!(
         colours,

@@ -328,7 +328,7 @@ fn in_a_scene_it_is_a_shape() {
     let scene = folder.scene("s.toml");
     assert_eq!(scene.mesh.triangles(), 4);
     assert_eq!(scene.mesh.material, [0, 0, 1, 1]);
-    assert_eq!(scene.materials[1].albedo, [0.5; 3]);
+    assert_eq!(scene.materials[1].albedo(&[]), [0.5; 3]);
     assert_eq!(scene.mesh.corners(3)[1], [1.0, 1.0, 5.0]);
 
     let renamed = "[materials.red]\n[[shapes]]\nply = \"a.ply\"\nmaterials = { a = \"red\" }\n";

@@ -20,9 +20,17 @@ fn check(what: &str, result: Result<Scene, scene::SceneError>) -> bool {
             assert_eq!(mesh.material.len(), mesh.indices.len(), "{what}");
             assert!(mesh.material.iter().all(named), "{what}");
             for m in &scene.materials {
-                assert!(m.albedo.iter().all(|a| (0.0..=1.0).contains(a)), "{what}");
                 assert!(
-                    m.emission.iter().all(|e| (0.0..=f32::MAX).contains(e)),
+                    m.albedo(&scene.materials)
+                        .iter()
+                        .all(|a| (0.0..=1.0).contains(a)),
+                    "{what}"
+                );
+                assert!(
+                    m.emission
+                        .factor
+                        .iter()
+                        .all(|e| (0.0..=f32::MAX).contains(e)),
                     "{what}"
                 );
             }

@@ -178,6 +178,7 @@ fn statistics_add_up() {
     let rays = ["camera", "bounce", "shadow"].map(|k| number(&format!("/rays/{k}")));
     assert_eq!(number("/rays/total"), rays.iter().sum::<u64>());
     assert_eq!(number("/dropped/total"), 0);
+    assert_eq!(number("/untraceable/total"), 0);
     assert_eq!(number("/threads"), 2);
     assert_eq!(stats["interrupted"], false);
     assert_eq!(stats["outputs"], serde_json::json!(["a.exr"]));

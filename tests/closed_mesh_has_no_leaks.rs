@@ -1,4 +1,8 @@
 //! Watertight: from inside a closed mesh every ray hits it, also one aimed at an edge or a vertex.
+//!
+//! Ten million rays, which take a few seconds:
+//!
+//!     cargo test --release --test closed_mesh_has_no_leaks -- --ignored
 
 mod tracing;
 
@@ -9,7 +13,11 @@ use tracing::{Random, RaySet, bumpy_sphere, cube, moved};
 
 /// Rays from points near `centre`: a third at random, a third at vertices, a third at edges.
 fn from_inside(mesh: &Mesh, centre: [f32; 3], spread: f32, n: usize) -> RaySet {
-    let mut random = Random(5);
+    rays_of_seed(5, mesh, centre, spread, n)
+}
+
+fn rays_of_seed(seed: u64, mesh: &Mesh, centre: [f32; 3], spread: f32, n: usize) -> RaySet {
+    let mut random = Random(seed);
     let mut rays = RaySet::default();
     for i in 0..n {
         let jitter = random.point();
@@ -111,4 +119,25 @@ fn of_a_stretched_sphere() {
         origin[1] *= 1e-3;
     }
     assert_no_escape("flat", &sphere, &rays);
+}
+
+#[test]
+#[ignore = "ten million rays: some seconds in a release build, a minute in others"]
+fn of_ten_million_rays() {
+    // A hundred sets of rays: spheres from 1,280 to 81,920 triangles, near the origin and far off.
+    let n = 100_002;
+    for (k, offset) in [0.0, 30.0].into_iter().enumerate() {
+        for level in 3..=6 {
+            let sphere = moved(bumpy_sphere(level, 0.04), 1.0, [offset; 3]);
+            let geometry = Geometry::build(&sphere);
+            for set in 0..13 {
+                let seed = (100 * k + 13 * level as usize + set) as u64;
+                let rays = rays_of_seed(seed, &sphere, [offset; 3], 0.3, n);
+                let hits = rays.closest(&geometry);
+                let escaped = hits.iter().filter(|h| h.primitive == NO_PRIMITIVE).count();
+                let open = rays.occluded(&geometry).iter().filter(|o| !**o).count();
+                assert_eq!((escaped, open), (0, 0), "level {level}, seed {seed}");
+            }
+        }
+    }
 }

@@ -150,7 +150,7 @@ fn direct_is_path_with_one_scattering_event() {
 fn depth_zero_is_emission() {
     for (facing, expected) in [(true, 3.0), (false, 0.0)] {
         let mut scene = wall([0.5; 3], 1.0, facing);
-        scene.materials[0].emission = [3.0; 3];
+        scene.materials[0].emission = [3.0; 3].into();
         let mut path = settings(Integrator::Path, 4);
         path.max_depth = Some(0);
         let Mean { value, variance } = mean_by_wave(&scene, &path);

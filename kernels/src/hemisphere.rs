@@ -61,21 +61,62 @@ pub fn cosine_pdf(cos_theta: Fx) -> Fx {
     cos_theta * Fx::splat(INV_PI)
 }
 
-/// From the frame whose z axis is the unit vector `n` to the world.
-///
-/// T. Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017: without a branch,
-/// and without the singularity at `n.z = -1`.
+/// An orthonormal frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    /// The x axis.
+    pub tangent: Vec3x,
+    /// The y axis.
+    pub bitangent: Vec3x,
+    /// The z axis.
+    pub normal: Vec3x,
+}
+
+impl Frame {
+    /// A frame whose z axis is the unit vector `n`.
+    ///
+    /// T. Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017: without a branch,
+    /// and without the singularity at `n.z = -1`.
+    #[inline(always)]
+    #[must_use]
+    pub fn about(n: Vec3x) -> Self {
+        let sign = (n.z & Fx::splat(-0.0)) | Fx::ONE;
+        let a = -Fx::ONE / (sign + n.z);
+        let b = n.x * n.y * a;
+        Self {
+            tangent: Vec3x::new(
+                (sign * n.x * n.x).mul_add(a, Fx::ONE),
+                sign * b,
+                -(sign * n.x),
+            ),
+            bitangent: Vec3x::new(b, (n.y * n.y).mul_add(a, sign), -n.y),
+            normal: n,
+        }
+    }
+
+    /// A vector of the frame in world space.
+    #[inline(always)]
+    #[must_use]
+    pub fn to_world(&self, local: Vec3x) -> Vec3x {
+        let bitangent = self.bitangent.scale_add(local.y, self.normal * local.z);
+        self.tangent.scale_add(local.x, bitangent)
+    }
+
+    /// A vector of world space in the frame.
+    #[inline(always)]
+    #[must_use]
+    pub fn to_local(&self, world: Vec3x) -> Vec3x {
+        Vec3x::new(
+            self.tangent.dot(world),
+            self.bitangent.dot(world),
+            self.normal.dot(world),
+        )
+    }
+}
+
+/// From the frame [`Frame::about`] the unit vector `n` to the world.
 #[inline(always)]
 #[must_use]
 pub fn to_world(n: Vec3x, local: Vec3x) -> Vec3x {
-    let sign = (n.z & Fx::splat(-0.0)) | Fx::ONE;
-    let a = -Fx::ONE / (sign + n.z);
-    let b = n.x * n.y * a;
-    let tangent = Vec3x::new(
-        (sign * n.x * n.x).mul_add(a, Fx::ONE),
-        sign * b,
-        -(sign * n.x),
-    );
-    let bitangent = Vec3x::new(b, (n.y * n.y).mul_add(a, sign), -n.y);
-    tangent.scale_add(local.x, bitangent.scale_add(local.y, n * local.z))
+    Frame::about(n).to_world(local)
 }

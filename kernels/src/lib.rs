@@ -10,6 +10,7 @@
 //! reaches a result.
 
 pub mod accumulate;
+pub mod bsdf;
 pub mod bvh;
 pub mod camera;
 pub mod compact;
@@ -35,8 +36,10 @@ pub mod sampler;
 pub mod scatter;
 pub mod slabs;
 pub mod soa;
+pub mod sphere;
 pub mod surface;
 pub mod tables;
+pub mod traffic;
 pub mod traverse;
 pub mod triangle;
 pub mod vec3;

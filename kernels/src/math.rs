@@ -43,10 +43,41 @@ pub fn sin_cos_turn(u: Fx) -> (Fx, Fx) {
     (s ^ sign(nearest), c ^ sign(nearest + one))
 }
 
+/// Arc cosine of `x` in `[0, 1]`, within 3e-7 of the true value (tested against f64 over every
+/// 2^-20th of the domain): `sqrt(1 - x)` times a polynomial (M. Abramowitz, I. Stegun, *Handbook of
+/// Mathematical Functions*, 4.4.46, whose own error is below 2e-8).
+#[inline(always)]
+#[must_use]
+pub fn acos_unit(x: Fx) -> Fx {
+    let p = Fx::splat(-0.001_262_491_1)
+        .mul_add(x, Fx::splat(0.006_670_090_1))
+        .mul_add(x, Fx::splat(-0.017_088_125_6))
+        .mul_add(x, Fx::splat(0.030_891_881_0))
+        .mul_add(x, Fx::splat(-0.050_174_304_6))
+        .mul_add(x, Fx::splat(0.088_978_987_4))
+        .mul_add(x, Fx::splat(-0.214_598_801_6))
+        .mul_add(x, Fx::splat(1.570_796_305_0));
+    (Fx::ONE - x).sqrt() * p
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::lanes::LANES;
+
+    #[test]
+    fn acos_unit_is_within_its_bound() {
+        let steps = 1u32 << 20;
+        for i in (0..=steps).step_by(LANES) {
+            let x: [f32; LANES] =
+                std::array::from_fn(|l| (i + l as u32).min(steps) as f32 / steps as f32);
+            let a = acos_unit(Fx::new(x));
+            for l in 0..LANES {
+                let off = (f64::from(a.as_array()[l]) - f64::from(x[l]).acos()).abs();
+                assert!(off < 3e-7, "acos at {} is off by {off}", x[l]);
+            }
+        }
+    }
 
     #[test]
     fn sin_cos_turn_is_within_its_bound() {

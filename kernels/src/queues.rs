@@ -63,6 +63,9 @@ pub struct Listed<'a> {
     pub paths: Paths<'a>,
     /// Their hits.
     pub hits: PathHits<'a>,
+    /// The material that each path of the wave met, where that is not its triangle's: place by place
+    /// of the queue, not of the list.
+    pub material: Option<&'a [u32]>,
 }
 
 impl<'a> Listed<'a> {
@@ -99,6 +102,66 @@ impl Paths<'_> {
             sample: gather_u32(self.sample, at),
             bounces: gather_u32(self.bounces, at) & Ux::splat(!MARKS),
         }
+    }
+}
+
+soa! {
+    /// Surface interactions: what [`Listed`] paths met, row by row of their list, where the surface
+    /// is more than a plain diffuse one.
+    pub struct Surfaces, SurfacesMut {
+        /// The hit point.
+        point: Vec3,
+        /// How far along `normal`, to either side, a ray has to start to be off the surface.
+        clearance: F32,
+        /// Unit geometric normal on the side that the path came from.
+        normal: Vec3,
+        /// Unit shading normal: the z axis of the local frame.
+        shading: Vec3,
+        /// Unit vector back along the path, in the local frame.
+        omega_o: Vec3,
+        /// All bits set if the path came from the front, else 0.
+        front: U32,
+        /// The triangle.
+        primitive: U32,
+        /// Its material; of a mixture, the one that was drawn.
+        material: U32,
+    }
+}
+
+soa! {
+    /// The uniform numbers that the rows of [`Surfaces`] use.
+    pub struct Drawn, DrawnMut {
+        /// For the next direction: two, and one that chooses a lobe.
+        direction: Vec3,
+        /// For a light: two to select it, two for a point on it.
+        select: F32,
+        /// See `select`.
+        keep: F32,
+        /// See `select`.
+        u: F32,
+        /// See `select`.
+        v: F32,
+    }
+}
+
+soa! {
+    /// One sample of the light around each row of [`Surfaces`].
+    pub struct Lit, LitMut {
+        /// Where the occlusion ray starts.
+        origin: Vec3,
+        /// To the light; see `light::LightSample`.
+        segment: Vec3,
+        /// Ray parameter of the light along `segment`.
+        t_max: F32,
+        /// Triangle sampled, or `NO_PRIMITIVE`.
+        primitive: U32,
+        /// Unit vector to the light, world space.
+        direction: Vec3,
+        /// Radiance over the pdf; black where the sample can carry nothing.
+        radiance: Vec3,
+        /// The pdf of `direction` in solid angle, selection included; infinite if nothing but next-event
+        /// estimation can find the light.
+        pdf: F32,
     }
 }
 

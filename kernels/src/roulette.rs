@@ -9,13 +9,22 @@
 //! The maximum depth is a rule of this stage too: a path that has scattered `limit` times may follow
 //! its last ray to a light if that is of use, else it ends. A ray of infinite pdf always is: nothing
 //! else finds what it finds.
+//!
+//! Bytes: [`TRAFFIC`] a path, and those of moving the survivors.
 
 use crate::accumulate::report;
 use crate::compact::Kept;
 use crate::lanes::{Fx, LANES, Ux, as_bits, as_mask, first, load, load_u32, padded, store_u32};
 use crate::queues::{LAST_RAY, MARKS, PathsMut};
 use crate::sampler::{Block, Sampler, block};
+use crate::traffic::{Traffic, columns};
 use crate::vec3::Vec3x;
+
+/// Bytes a path.
+pub const TRAFFIC: Traffic = Traffic::new(
+    columns::<PathsMut<'static>>(&["throughput", "pixel", "sample", "bounces"]),
+    columns::<PathsMut<'static>>(&["throughput", "bounces"]),
+);
 
 /// The rules of the stage.
 #[derive(Clone, Copy, Debug)]

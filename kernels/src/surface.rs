@@ -20,6 +20,9 @@ use crate::queues::Listed;
 use crate::tables::Triangles;
 use crate::vec3::Vec3x;
 
+/// Bytes that an interaction gathers of a triangle: three indices, three vertices, the material.
+pub const TRIANGLE_BYTES: usize = 12 + 36 + 4;
+
 const EPSILON: f32 = 1.0 / 16_777_216.0;
 
 /// `n` roundings in a row, relative: Higham's gamma.

@@ -1,7 +1,11 @@
 //! The scene as kernels see it: slices of tables.
 
+use crate::lanes::{Fx, Ux, gather};
 use crate::light::{Environment, Punctual};
-use crate::vec3::Columns;
+use crate::vec3::{Columns, Vec3x};
+
+/// Most parameters that a kind of BSDF has.
+pub const SLOTS: usize = 20;
 
 /// All that shading reads. See each member for its lengths.
 #[derive(Clone, Copy, Debug)]
@@ -28,8 +32,11 @@ pub struct Triangles<'a> {
 /// Material tables, one element a material.
 #[derive(Clone, Copy, Debug)]
 pub struct Materials<'a> {
-    /// Diffuse reflectance.
+    /// Diffuse reflectance; of other kinds, their colour in one word.
     pub albedo: Columns<'a>,
+    /// The parameters of its BSDF, a column each; what they mean depends on the kind
+    /// (`scatter::kinds`).
+    pub parameters: [&'a [f32]; SLOTS],
     /// Emitted radiance.
     pub emission: Columns<'a>,
     /// All bits set if it emits from the back too, else 0.
@@ -58,4 +65,33 @@ pub struct Lights<'a> {
     pub nadir: [f32; 3],
     /// Probability to select the sky.
     pub sky_selection: f32,
+}
+
+/// The BSDF parameters of a vector of surfaces.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameters<'a> {
+    /// The tables.
+    pub materials: &'a Materials<'a>,
+    /// The material in each lane.
+    pub material: Ux,
+}
+
+impl Parameters<'_> {
+    /// The parameter of number `slot`.
+    #[inline(always)]
+    #[must_use]
+    pub fn number(&self, slot: usize) -> Fx {
+        gather(self.materials.parameters[slot], self.material)
+    }
+
+    /// The colour whose red is parameter `slot`, its green and blue the next two.
+    #[inline(always)]
+    #[must_use]
+    pub fn colour(&self, slot: usize) -> Vec3x {
+        Vec3x::new(
+            self.number(slot),
+            self.number(slot + 1),
+            self.number(slot + 2),
+        )
+    }
 }

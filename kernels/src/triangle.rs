@@ -3,15 +3,27 @@
 //! S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013: the
 //! ray is sheared and permuted so that it runs along an axis, the triangle's corners with it; the
 //! signs of three two-dimensional edge functions then decide. A corner is sheared by itself, and
-//! an edge function is a difference of two *separately rounded* products, so that exchanging an
-//! edge's ends changes its sign and nothing else: the two triangles at an edge decide alike, and a
-//! ray cannot slip between them. (A fused product would break exactly this.) An edge function that
-//! is 0, tiny or not finite is computed again in f64, where the products of f32 are exact and the
-//! sign is the true one; what is still 0 counts as inside, for both neighbours. The paper then
-//! recomputes all three, which makes a triangle disagree with its neighbour about the other two.
+//! an edge function of two sheared corners is computed with a relative error of at most `2u`,
+//! `u = 2^-24`, by Kahan's difference of products (C.-P. Jeannerod, N. Louvet, J.-M. Muller, "Further
+//! analysis of Kahan's algorithm for the accurate computation of 2 x 2 determinants", Math. Comp.
+//! 82, 2013). So its sign is the true one: the two triangles at an edge decide alike, and a ray
+//! cannot slip between them. An edge function that is 0, tiny or not finite is computed again in
+//! f64, where the products of f32 are exact; what is still 0 counts as inside, for both neighbours.
+//! (Without fused instructions Kahan's formula falls back to the difference of two rounded products:
+//! less accurate, but exchanging an edge's ends still changes its sign and nothing else.)
 //!
 //! The distance is a weighted mean of the corners' distances along the ray's main axis, with the
 //! edge functions as weights, so it lies between them to rounding.
+//!
+//! **How exact the distance is.** Of a triangle that is met, the weights have the same sign and
+//! `2u` each; so their sum has `4u`, their shares `8u`, and the mean, in three more operations, lies within
+//! `11u` of the true mean's terms: a needle however long and thin loses nothing. Let `S` be the
+//! largest component of a corner seen from the origin. A sheared corner is off by `5uS` along the
+//! first and second axis (a subtraction, the slope, the product's distance, the fused sum, which is
+//! at most `2S`) and by `uS` along the main one. Moving the point with those weights back into the
+//! ray moves the distance by at most `5 sqrt(2) uS / cos`, with `cos` between ray and normal; along
+//! the ray, main-axis errors of `12uS` count `sqrt(3)` times at most. With the two roundings of the
+//! last product, the distance of a unit direction is off by less than `(7.1 / cos + 23) uS`.
 //!
 //! Input: any finite triangles and origins; directions as [`Shear::new`] takes them. A triangle
 //! seen edge-on, or without area, is never hit. Reads 160 bytes a block.
@@ -166,7 +178,11 @@ impl<V: Lanes> View<V> {
             [x, y, z]
         });
         let [a, b, c] = corners;
-        let edge = |p: [V; 3], q: [V; 3]| p[0] * q[1] - p[1] * q[0];
+        // Kahan: what rounding took from one product is put back with the other.
+        let edge = |p: [V; 3], q: [V; 3]| {
+            let product = p[1] * q[0];
+            p[1].mul_neg_add(q[0], product) - p[0].mul_neg_add(q[1], product)
+        };
         Sheared {
             corners,
             weights: [edge(c, b), edge(a, c), edge(b, a)],

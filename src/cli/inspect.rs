@@ -12,6 +12,7 @@ use crate::cli::summary::plural;
 use crate::cli::text::out;
 use contents::Contents;
 use huygens::geometry::{Geometry, Preset};
+use huygens::wave;
 use miette::IntoDiagnostic;
 
 /// Show what a scene holds and what it needs, without rendering it
@@ -34,7 +35,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let path = &args.scene.scene;
     let progress = Progress::new(false);
-    let scene = load(&args.scene, None, progress)?.scene;
+    let scene = load(&args.scene, None, args.bvh, progress)?.scene;
     warn(&scene.warnings, args.scene.strict)?;
     let label = format!(
         "build over {}",
@@ -43,7 +44,8 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let preset = args.bvh.unwrap_or(scene.settings.bvh);
     let build = || Geometry::build_with(&scene.mesh, preset);
     let (geometry, _) = progress.phase(&label, build);
-    let contents = Contents::of(&scene, path, &geometry.memory());
+    let plan = wave::plan(&scene, &geometry, &scene.settings);
+    let contents = Contents::of(&scene, path, &geometry.memory(), plan);
     if args.json {
         let json = serde_json::to_string_pretty(&contents).into_diagnostic();
         out(&(json.map_err(Failure::Other)? + "\n"));

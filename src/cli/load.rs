@@ -4,6 +4,7 @@ use crate::cli::failure::Failure;
 use crate::cli::memory;
 use crate::cli::options::SceneOptions;
 use crate::cli::progress::Progress;
+use huygens::geometry::Preset;
 use huygens::scene::{Scene, SceneError, Source};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -17,10 +18,11 @@ pub(crate) struct Loaded {
 }
 
 /// Loads a scene on the current rayon pool; its warnings are not out yet. `size` is that of the
-/// image where the command line says one.
+/// image and `bvh` the preset of the tree, where the command line says one.
 pub(crate) fn load(
     options: &SceneOptions,
     size: Option<(u32, u32)>,
+    bvh: Option<Preset>,
     progress: Progress,
 ) -> Result<Loaded, Failure> {
     let wrong = |e: SceneError| Failure::Input(miette::Report::new(e));
@@ -32,7 +34,8 @@ pub(crate) fn load(
         let (counts, _) = progress.phase(&format!("measure {name}"), || source.counts());
         let film = source.film();
         let size = size.unwrap_or((film.width, film.height));
-        memory::ensure(limit, counts.map_err(wrong)?, size)?;
+        let preset = bvh.unwrap_or_else(|| source.bvh());
+        memory::ensure(limit, counts.map_err(wrong)?, preset, size)?;
     }
     let read = AtomicU64::new(0);
     let bytes = source.bytes();

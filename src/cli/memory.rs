@@ -3,15 +3,22 @@
 use crate::cli::failure::Failure;
 use crate::cli::text::bytes;
 use huygens::film::{Film, Image};
+use huygens::geometry::Preset;
 use huygens::scene::Counts;
 
 /// Bytes of tree nodes a triangle: 13.3 to 15.3 on meshes of 968 to 227,986 triangles.
 const NODES: u64 = 16;
 /// Bytes of triangle blocks a triangle: 40 where all blocks are full; 41.4 to 45.0 on the same.
 const BLOCKS: u64 = 46;
-/// Bytes a triangle while the tree is built, the finished tree among them, for the hungriest preset:
-/// 316 measured with `best` for one million triangles (`fast` and `balanced`: 127 to 157).
-const BUILDING: u64 = 320;
+
+/// Bytes a triangle while the tree is built, the finished tree among them: measured for one million
+/// triangles, 127 to 157 with `fast` and `balanced`, 316 with `best`.
+fn building(preset: Preset) -> u64 {
+    match preset {
+        Preset::Fast | Preset::Balanced => 160,
+        Preset::Best => 320,
+    }
+}
 
 /// What is needed at one moment, by table.
 type Moment = Vec<(&'static str, u64)>;
@@ -24,7 +31,7 @@ fn all(moment: &Moment) -> u64 {
 
 /// What a scene and an image of `size` need while the tree is built, and while they are rendered.
 /// Reading needs less than building: the tables, and at most those of one file a second time.
-fn moments(counts: Counts, size: (u32, u32)) -> [Moment; 2] {
+fn moments(counts: Counts, preset: Preset, size: (u32, u32)) -> [Moment; 2] {
     let triangles = |each: u64| counts.triangles.saturating_mul(each);
     let mesh = [
         ("vertices", counts.vertices.saturating_mul(12)),
@@ -32,7 +39,7 @@ fn moments(counts: Counts, size: (u32, u32)) -> [Moment; 2] {
         ("material indices", triangles(4)),
     ];
     let pixels = u64::from(size.0) * u64::from(size.1);
-    let building = [("building the bvh", triangles(BUILDING))];
+    let building = [("building the bvh", triangles(building(preset)))];
     let rendering = [
         ("bvh nodes", triangles(NODES)),
         ("bvh triangles", triangles(BLOCKS)),
@@ -46,8 +53,13 @@ fn moments(counts: Counts, size: (u32, u32)) -> [Moment; 2] {
 }
 
 /// Refuses what needs more than `limit` bytes by estimate.
-pub(crate) fn ensure(limit: u64, counts: Counts, size: (u32, u32)) -> Result<(), Failure> {
-    let [building, rendering] = moments(counts, size);
+pub(crate) fn ensure(
+    limit: u64,
+    counts: Counts,
+    preset: Preset,
+    size: (u32, u32),
+) -> Result<(), Failure> {
+    let [building, rendering] = moments(counts, preset, size);
     let (when, largest) = if all(&building) > all(&rendering) {
         ("while the bvh is built", building)
     } else {
@@ -118,8 +130,16 @@ mod tests {
             vertices: 5_000_000,
             triangles: 10_000_000,
         };
-        assert!(ensure(3_420_000_000, counts, (1920, 1080)).is_ok());
-        let refused = |counts, size| match ensure(1_000_000, counts, size) {
+        // 220 MB of mesh, and 160 or 320 bytes a triangle.
+        for (preset, enough) in [
+            (Preset::Fast, 1_820_000_000),
+            (Preset::Balanced, 1_820_000_000),
+            (Preset::Best, 3_420_000_000),
+        ] {
+            assert!(ensure(enough, counts, preset, (1920, 1080)).is_ok());
+            assert!(ensure(enough - 1, counts, preset, (1920, 1080)).is_err());
+        }
+        let refused = |counts, size| match ensure(1_000_000, counts, Preset::Best, size) {
             Err(Failure::Input(report)) => {
                 let help = report.help().map(|h| h.to_string()).unwrap_or_default();
                 format!("{report}; {help}")

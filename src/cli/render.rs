@@ -62,7 +62,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         mut scene,
         parse_seconds,
         compile_seconds,
-    } = pool.install(|| load(&args.scene, args.image.size, progress))?;
+    } = pool.install(|| load(&args.scene, args.image.size, args.work.bvh, progress))?;
     args.image.apply(&mut scene);
     args.work.apply(&mut scene.settings);
     let mut warnings = scene.warnings.clone();

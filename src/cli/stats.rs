@@ -32,6 +32,7 @@ pub(crate) struct Stats {
     pub(crate) peak_memory_bytes: Option<u64>,
     pub(crate) interrupted: bool,
     pub(crate) dropped: DroppedStats,
+    pub(crate) untraceable: DroppedStats,
     warnings: Vec<String>,
     pub(crate) outputs: Vec<String>,
     pub(crate) stages: Vec<StageStats>,
@@ -69,13 +70,17 @@ struct SettingsStats {
     tile: u32,
 }
 
-/// Wall-clock seconds of each phase.
+/// Wall-clock seconds of each phase, and what the render's went to.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(crate) struct Seconds {
     pub(crate) parse: f64,
     pub(crate) compile: f64,
     pub(crate) build: f64,
     pub(crate) render: f64,
+    /// Processor seconds of the render.
+    render_cpu: Option<f64>,
+    /// Seconds of all workers.
+    workers: f64,
     pub(crate) write: f64,
     pub(crate) total: f64,
 }
@@ -100,6 +105,15 @@ pub(crate) struct Rays {
 pub(crate) struct DroppedStats {
     pub(crate) total: u64,
     pub(crate) stages: Vec<Dropped>,
+}
+
+impl DroppedStats {
+    fn new(stages: Vec<Dropped>) -> Self {
+        Self {
+            total: stages.iter().map(|d| d.count).sum(),
+            stages,
+        }
+    }
 }
 
 impl Stats {
@@ -152,6 +166,8 @@ impl Stats {
             },
             seconds: Seconds {
                 render: render.seconds,
+                render_cpu: render.cpu_seconds,
+                workers: render.worker_seconds,
                 ..Seconds::default()
             },
             samples: Samples {
@@ -170,10 +186,8 @@ impl Stats {
             threads: render.threads,
             peak_memory_bytes: None,
             interrupted: render.stopped,
-            dropped: DroppedStats {
-                total: render.dropped.iter().map(|d| d.count).sum(),
-                stages: render.dropped,
-            },
+            dropped: DroppedStats::new(render.dropped),
+            untraceable: DroppedStats::new(render.untraceable),
             warnings: warnings.to_vec(),
             outputs: Vec::new(),
             stages: render.stages,

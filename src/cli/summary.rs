@@ -2,6 +2,7 @@
 
 use crate::cli::stats::Stats;
 use crate::cli::text::{bytes, seconds, si};
+use huygens::wave::Dropped;
 use std::fmt::Write;
 
 /// The lines to print about a render of `scene` with `settings`.
@@ -45,6 +46,9 @@ pub(crate) fn summary(scene: &str, settings: &str, stats: &Stats) -> String {
     );
     line("paths", format!("mean depth {:.2}", stats.mean_depth));
     line("dropped", dropped(stats));
+    if stats.untraceable.total > 0 {
+        line("lost", lost(stats));
+    }
     if let Some(peak) = stats.peak_memory_bytes {
         line("memory", format!("peak {}", bytes(peak)));
     }
@@ -58,20 +62,32 @@ pub(crate) fn summary(scene: &str, settings: &str, stats: &Stats) -> String {
 }
 
 fn dropped(stats: &Stats) -> String {
-    let d = &stats.dropped;
-    if d.total == 0 {
-        return "none".to_owned();
+    match stats.dropped.total {
+        0 => "none".to_owned(),
+        n => {
+            let what = plural(n, "value");
+            format!("{what} not finite: {}", places(&stats.dropped.stages))
+        }
     }
-    let one = |s: &huygens::wave::Dropped| {
+}
+
+fn lost(stats: &Stats) -> String {
+    let what = plural(stats.untraceable.total, "ray");
+    let where_to = places(&stats.untraceable.stages);
+    format!("{what} that could not be traced: {where_to}")
+}
+
+/// How many in which stages, with an example of each.
+fn places(stages: &[Dropped]) -> String {
+    let one = |s: &Dropped| {
         let first = s
             .examples
             .first()
             .map(|(x, y, sample)| format!(" (the first at pixel {x}, {y}, sample {sample})"));
         format!("{} in {}{}", s.count, s.stage, first.unwrap_or_default())
     };
-    let stages: Vec<String> = d.stages.iter().filter(|s| s.count > 0).map(one).collect();
-    let what = plural(d.total, "value");
-    format!("{what} not finite: {}", stages.join(", "))
+    let stages: Vec<String> = stages.iter().filter(|s| s.count > 0).map(one).collect();
+    stages.join(", ")
 }
 
 /// The share of each stage in the workers' time.
@@ -108,6 +124,7 @@ test
   rays     camera 12.8 k, bounce 20.0 k, shadow 7.20 k; 20.0 krays/s
   paths    mean depth 1.56
   dropped  2 values not finite: 2 in film (the first at pixel 1, 2, sample 3)
+  lost     1 ray that could not be traced: 1 in intersect (the first at pixel 4, 5, sample 6)
   memory   peak 12.3 MB
   stages   intersect 100%
   wrote    a.exr

@@ -1,5 +1,7 @@
 //! The unit of work: a tile of pixels times a range of samples, and the buffer that it fills.
 
+use huygens_kernels::traffic::Traffic;
+
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tile {
@@ -64,6 +66,13 @@ pub struct SampleBuffer {
 }
 
 impl SampleBuffer {
+    /// Bytes that putting a sample on the film takes: its radiance, the pixel's sums, and making it
+    /// black again.
+    pub(crate) const TRAFFIC: Traffic = Traffic::new(
+        12 + super::Film::BYTES_PER_PIXEL,
+        12 + super::Film::BYTES_PER_PIXEL,
+    );
+
     /// Room for `slots` samples, all black.
     #[must_use]
     pub fn new(slots: usize) -> Self {

@@ -249,8 +249,7 @@ mod tests {
             let mesh = Mesh {
                 indices: (0..last - 1).map(|i| [i, i + 1, last]).collect(),
                 vertices,
-                material: Vec::new(),
-            };
+                material: Vec::new(), ..Mesh::default() };
             let film = if portrait { film(90, 160) } else { film(160, 90) };
             let camera = framing(&mesh, film).unwrap();
             let axis = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));

@@ -2,7 +2,7 @@
 
 use super::builder::Builder;
 use super::camera;
-use super::compiled::{FilmSpec, Material, Scene};
+use super::compiled::{FilmSpec, Scene};
 use super::description::{self, Description};
 use super::error::SceneError;
 use super::hash;
@@ -11,6 +11,7 @@ use super::import::panorama::Pixels;
 use super::light::Sky;
 use super::lights;
 use super::load::GeometryFile;
+use super::material::Material;
 use super::shapes::Shapes;
 use super::toml::SceneFile;
 use super::values::{NonNegative, OneOrThree, Unit};
@@ -61,6 +62,7 @@ pub(super) fn native(
         lights,
         settings: settings(&said.settings),
         materials: shapes.materials,
+        textures: Vec::new(),
         warnings: with_dropped(shapes.warnings, &shapes.builder),
         mesh: shapes.builder.mesh,
     }))
@@ -95,6 +97,7 @@ pub(super) fn bare(path: &Path, imported: Vec<Imported>) -> Result<Scene, SceneE
         lights: Vec::new(),
         settings: Settings::default(),
         materials,
+        textures: Vec::new(),
         warnings: with_dropped(warnings, &builder),
         mesh: builder.mesh,
     };
@@ -181,10 +184,8 @@ fn settings(said: &description::Settings) -> Settings {
 /// The materials that a scene file names.
 pub(super) fn materials(said: &Description) -> Vec<Material> {
     let material = |(name, m): (&String, &description::Material)| Material {
-        name: name.clone(),
-        albedo: reflectance(m.albedo),
-        emission: radiance(m.emission),
         two_sided: m.two_sided,
+        ..Material::diffuse(name, reflectance(m.albedo), radiance(m.emission))
     };
     said.materials.iter().map(material).collect()
 }

@@ -1,6 +1,8 @@
 //! A scene as the kernels read it: flat tables, world space, linear Rec. 709 colours.
 
 use super::light::{Light, Sky};
+use super::material::Material;
+use super::texture::Texture;
 use crate::settings::Settings;
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +21,8 @@ pub struct Scene {
     pub mesh: Mesh,
     /// Materials, indexed by [`Mesh::material`].
     pub materials: Vec<Material>,
+    /// Textures, indexed by [`super::material::TextureUse::texture`].
+    pub textures: Vec<Texture>,
     /// The sky around the scene, if there is one.
     pub sky: Option<Sky>,
     /// Lights that are no surfaces.
@@ -39,9 +43,22 @@ pub struct Mesh {
     pub indices: Vec<[u32; 3]>,
     /// Material index of each triangle.
     pub material: Vec<u32>,
+    /// Shading normals of the first so many vertices, octahedral
+    /// (two 16-bit numbers, of a map of the sphere to a square), or [`Mesh::NO_NORMAL`]. Empty where no vertex has any. A
+    /// triangle of which a corner has none is flat.
+    pub normals: Vec<u32>,
+    /// Texture coordinates of the first so many vertices; NaN where a vertex has none. Empty where
+    /// no vertex has any.
+    pub uvs: Vec<[f32; 2]>,
 }
 
 impl Mesh {
+    /// What stands in [`Mesh::normals`] for a vertex without one: no normal is stored so.
+    pub const NO_NORMAL: u32 = 0x8000_8000;
+
+    /// Texture coordinates of a vertex without any.
+    pub const NO_UV: [f32; 2] = [f32::NAN; 2];
+
     /// Number of triangles.
     #[must_use]
     pub fn triangles(&self) -> usize {
@@ -52,27 +69,6 @@ impl Mesh {
     #[must_use]
     pub fn corners(&self, i: usize) -> [[f32; 3]; 3] {
         self.indices[i].map(|v| self.vertices[v as usize])
-    }
-}
-
-/// A Lambertian surface, the same on both sides, that may emit.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    /// Its name in the scene file or MTL.
-    pub name: String,
-    /// Diffuse reflectance, each channel in 0..=1.
-    pub albedo: [f32; 3],
-    /// Emitted radiance, W/m^2/sr, each channel finite and >= 0; black: no light.
-    pub emission: [f32; 3],
-    /// Whether it emits from the back too.
-    pub two_sided: bool,
-}
-
-impl Material {
-    /// Whether it emits at all.
-    #[must_use]
-    pub fn emits(&self) -> bool {
-        self.emission.iter().any(|&c| c > 0.0)
     }
 }
 

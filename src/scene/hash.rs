@@ -2,6 +2,7 @@
 
 use super::compiled::{Extent, Filter, Projection, Scene};
 use super::light::{LightKind, Sky};
+use super::material::{Bsdf, Material, Textured};
 
 /// BLAKE3 of the tables that the image depends on, in a fixed order, each with its length. Names,
 /// warnings and settings have no part in it.
@@ -47,9 +48,29 @@ pub(super) fn of(scene: &Scene) -> [u8; 32] {
     table(bytemuck::cast_slice(&scene.mesh.vertices));
     table(bytemuck::cast_slice(&scene.mesh.indices));
     table(bytemuck::cast_slice(&scene.mesh.material));
+    if !scene.mesh.normals.is_empty() || !scene.mesh.uvs.is_empty() {
+        table(b"attributes");
+        table(bytemuck::cast_slice(&scene.mesh.normals));
+        table(bytemuck::cast_slice(&scene.mesh.uvs));
+    }
     for material in &scene.materials {
-        table(bytemuck::cast_slice(&[material.albedo, material.emission]));
+        match plain(material) {
+            Some(colours) => table(bytemuck::cast_slice(&colours)),
+            // By this way no member is forgotten; numbers are written so that they read back alike.
+            None => {
+                let unnamed = Material {
+                    name: String::new(),
+                    ..material.clone()
+                };
+                table(format!("{unnamed:?}").as_bytes());
+            }
+        }
         table(&[u8::from(material.two_sided)]);
+    }
+    for texture in &scene.textures {
+        let how = (texture.format, texture.srgb, &texture.levels);
+        table(format!("{how:?}").as_bytes());
+        table(bytemuck::cast_slice(&texture.words));
     }
     match &scene.sky {
         None => table(&[]),
@@ -85,4 +106,27 @@ pub(super) fn of(scene: &Scene) -> [u8; 32] {
         }
     }
     *hasher.finalize().as_bytes()
+}
+
+/// Reflectance and emission of a Lambertian material without textures.
+fn plain(material: &Material) -> Option<[[f32; 3]; 2]> {
+    match (&material.bsdf, material.emission) {
+        (
+            &Bsdf::Diffuse {
+                reflectance:
+                    Textured {
+                        factor: reflectance,
+                        texture: None,
+                    },
+                roughness: 0.0,
+            },
+            Textured {
+                factor: emission,
+                texture: None,
+            },
+        ) if material.alpha.is_none() && material.normal_map.is_none() => {
+            Some([reflectance, emission])
+        }
+        _ => None,
+    }
 }

@@ -153,6 +153,12 @@ impl LightKind {
         }
     }
 
+    /// Whether no ray finds it.
+    #[must_use]
+    pub fn is_delta(&self) -> bool {
+        self.extent() == 0.0
+    }
+
     /// `1 - cos` of a disc's half angle; 0 for a light that has none.
     #[must_use]
     pub fn extent(&self) -> f64 {

@@ -10,6 +10,7 @@ use super::import::{Counts, Format, Imported};
 use super::lights;
 use super::shapes::Shapes;
 use super::toml::SceneFile;
+use crate::settings::Preset;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicU64;
@@ -112,6 +113,13 @@ impl Source {
     #[must_use]
     pub fn film(&self) -> FilmSpec {
         compile::film(self.native.as_ref().map(|(_, said)| &said.film))
+    }
+
+    /// The preset of the tree that the scene asks for.
+    #[must_use]
+    pub fn bvh(&self) -> Preset {
+        let said = self.native.as_ref().and_then(|(_, said)| said.settings.bvh);
+        said.unwrap_or_default()
     }
 
     /// Vertices and triangles that the compiled scene will have, by the headers of its files and a

@@ -17,19 +17,23 @@ mod import;
 mod light;
 mod lights;
 mod load;
+pub mod material;
 mod projection;
 mod shapes;
+pub mod texture;
 mod toml;
 mod transform;
 mod triangulate;
 mod values;
 
-pub use compiled::{Camera, Extent, FilmSpec, Filter, Lens, Material, Mesh, Projection, Scene};
+pub use compiled::{Camera, Extent, FilmSpec, Filter, Lens, Mesh, Projection, Scene};
 pub use error::SceneError;
 pub use import::Counts;
 pub(crate) use light::row_cosine;
 pub use light::{Environment, Light, LightKind, Sky, Spot};
 pub use load::{Parsed, Source};
+pub use material::{Bsdf, Material, Textured};
+pub use texture::Texture;
 
 /// Loads and compiles the scene at `path`: a native `.toml` scene, or a bare `.obj` or `.ply`. All
 /// steps of [`Source`] at once.

@@ -2,11 +2,11 @@
 
 use super::builder::{Builder, Placed};
 use super::compile;
-use super::compiled::Material;
 use super::description::{Cuboid, Description, InlineMesh, Rectangle, Shape};
 use super::error::SceneError;
 use super::import::{Imported, mtl};
 use super::load::GeometryFile;
+use super::material::Material;
 use super::toml::{SceneFile, suggest};
 use super::transform::vector;
 use super::triangulate::triangulate;

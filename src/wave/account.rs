@@ -1,8 +1,16 @@
 //! The accounting of a render: always on, a few additions a stage call.
+//!
+//! Time is a chain of laps: a call of a stage lasts from the end of the call before it to its own
+//! end. So what lies between two stages (counting items, fetching a job) belongs to the later one,
+//! and the laps of a worker add up to its time.
 
+use super::counters::Reading;
+use super::instruments::{Instruments, Recorder, Timeline};
 use super::stats::{BounceStats, Dropped, StageStats};
 use super::tally::{ROWS, Tally};
+use crate::effects::Shader;
 use huygens_kernels::lanes::padded;
+use huygens_kernels::traffic::Traffic;
 use std::time::Instant;
 
 /// The stages, in the order of the loop.
@@ -13,22 +21,51 @@ pub(crate) enum Stage {
     Sort,
     Sky,
     Emission,
-    Scatter,
+    Interact,
+    Light,
+    Scatter(Shader),
     Occlude,
     Roulette,
+    Film,
 }
 
 impl Stage {
-    const ALL: [Self; 8] = [
-        Self::Generate,
-        Self::Intersect,
-        Self::Sort,
-        Self::Sky,
-        Self::Emission,
-        Self::Scatter,
-        Self::Occlude,
-        Self::Roulette,
-    ];
+    const COUNT: usize = 10 + Shader::ALL.len();
+
+    /// All stages.
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        let before = [
+            Self::Generate,
+            Self::Intersect,
+            Self::Sort,
+            Self::Sky,
+            Self::Emission,
+            Self::Interact,
+            Self::Light,
+        ];
+        let shaders = Shader::ALL.into_iter().map(Self::Scatter);
+        before
+            .into_iter()
+            .chain(shaders)
+            .chain([Self::Occlude, Self::Roulette, Self::Film])
+    }
+
+    /// Its place among [`Stage::all`].
+    fn index(self) -> usize {
+        match self {
+            Self::Generate => 0,
+            Self::Intersect => 1,
+            Self::Sort => 2,
+            Self::Sky => 3,
+            Self::Emission => 4,
+            Self::Interact => 5,
+            Self::Light => 6,
+            Self::Scatter(shader) => 7 + shader as usize,
+            Self::Occlude => Self::COUNT - 3,
+            Self::Roulette => Self::COUNT - 2,
+            Self::Film => Self::COUNT - 1,
+        }
+    }
 
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -37,53 +74,72 @@ impl Stage {
             Self::Sort => "sort",
             Self::Sky => "shade: sky",
             Self::Emission => "shade: emission",
-            Self::Scatter => "shade: surface",
+            Self::Interact => "interact",
+            Self::Light => "sample lights",
+            Self::Scatter(Shader::Plain) => "shade: surface",
+            Self::Scatter(Shader::Diffuse) => "shade: diffuse",
+            Self::Scatter(Shader::RoughDiffuse) => "shade: rough diffuse",
             Self::Occlude => "occlude",
             Self::Roulette => "roulette",
+            Self::Film => "film",
         }
     }
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 struct Entry {
     calls: u64,
     seconds: f64,
     lanes_issued: u64,
-    rows: [BounceStats; ROWS],
+    traffic: Traffic,
+    counted: Option<Reading>,
+    rows: Rows,
+}
+
+#[derive(Clone, Debug)]
+struct Rows([BounceStats; ROWS]);
+
+impl Default for Rows {
+    fn default() -> Self {
+        Self([BounceStats::default(); ROWS])
+    }
 }
 
 /// One worker's accounting.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Account {
     entries: Vec<Entry>,
     dropped: Vec<Dropped>,
+    untraceable: Vec<Dropped>,
+    lap: Instant,
+    recorder: Recorder,
 }
 
 impl Account {
-    pub(crate) fn new() -> Self {
-        let entry = Entry {
-            calls: 0,
-            seconds: 0.0,
-            lanes_issued: 0,
-            rows: [BounceStats::default(); ROWS],
-        };
+    /// For the calling thread, in a render that began at `epoch`. The first lap begins now.
+    pub(crate) fn new(instruments: &Instruments, epoch: Instant) -> Self {
         Self {
-            entries: vec![entry; Stage::ALL.len()],
+            entries: vec![Entry::default(); Stage::COUNT],
             dropped: Vec::new(),
+            untraceable: Vec::new(),
+            lap: Instant::now(),
+            recorder: Recorder::new(instruments, epoch),
         }
     }
 
-    /// Books one call of `stage` that began at `start`. Time goes to the bounces by items in (by
-    /// items out where nothing comes in).
+    /// Books one call of `stage`, which ends now and began where the last one ended. Time goes to
+    /// the bounces by items in (by items out where nothing comes in).
     pub(crate) fn book(
         &mut self,
         stage: Stage,
-        start: Instant,
         items_in: &Tally,
         items_out: &Tally,
+        traffic: Traffic,
     ) {
-        let seconds = start.elapsed().as_secs_f64();
-        let entry = &mut self.entries[stage as usize];
+        let end = Instant::now();
+        let start = std::mem::replace(&mut self.lap, end);
+        let seconds = (end - start).as_secs_f64();
+        let entry = &mut self.entries[stage.index()];
         let by = if items_in.total > 0 {
             items_in
         } else {
@@ -92,19 +148,34 @@ impl Account {
         entry.calls += 1;
         entry.seconds += seconds;
         entry.lanes_issued += padded(by.total()) as u64;
+        entry.traffic = entry.traffic + traffic;
         let each = seconds / f64::from(by.total.max(1));
         for row in 0..items_in.depth.max(items_out.depth) {
-            let r = &mut entry.rows[row];
+            let r = &mut entry.rows.0[row];
             r.items_in += u64::from(items_in.rows[row]);
             r.items_out += u64::from(items_out.rows[row]);
             r.lanes_busy += u64::from(by.rows[row]);
             r.seconds += each * f64::from(by.rows[row]);
         }
+        self.recorder.record(stage.name(), start, end, by.total);
+        if let Some(counted) = self.recorder.count() {
+            add_counted(&mut entry.counted, counted);
+        }
+    }
+
+    /// The calls that its instruments recorded.
+    pub(crate) fn take_timeline(&mut self) -> Timeline {
+        std::mem::take(&mut self.recorder.timeline)
     }
 
     /// Books a value that was not finite.
     pub(crate) fn drop_sample(&mut self, stage: &'static str, at: (u32, u32, u32)) {
         book_drop(&mut self.dropped, stage, 1, &[at]);
+    }
+
+    /// Books a ray that could not be traced.
+    pub(crate) fn lose_ray(&mut self, stage: &'static str, at: (u32, u32, u32)) {
+        book_drop(&mut self.untraceable, stage, 1, &[at]);
     }
 
     /// Adds another worker's accounting.
@@ -113,7 +184,11 @@ impl Account {
             a.calls += b.calls;
             a.seconds += b.seconds;
             a.lanes_issued += b.lanes_issued;
-            for (a, b) in a.rows.iter_mut().zip(&b.rows) {
+            a.traffic = a.traffic + b.traffic;
+            if let Some(counted) = b.counted {
+                add_counted(&mut a.counted, counted);
+            }
+            for (a, b) in a.rows.0.iter_mut().zip(&b.rows.0) {
                 a.items_in += b.items_in;
                 a.items_out += b.items_out;
                 a.lanes_busy += b.lanes_busy;
@@ -123,25 +198,30 @@ impl Account {
         for d in &other.dropped {
             book_drop(&mut self.dropped, d.stage, d.count, &d.examples);
         }
+        for d in &other.untraceable {
+            book_drop(&mut self.untraceable, d.stage, d.count, &d.examples);
+        }
     }
 
     /// Closest-hit rays by bounce 0 and later, and occlusion rays.
     pub(crate) fn rays(&self) -> (u64, u64, u64) {
-        let rows = |s: Stage| &self.entries[s as usize].rows;
+        let rows = |s: Stage| &self.entries[s.index()].rows.0;
         let after: u64 = rows(Stage::Intersect)[1..].iter().map(|r| r.items_in).sum();
         let shadow = rows(Stage::Occlude).iter().map(|r| r.items_in).sum();
         (rows(Stage::Intersect)[0].items_in, after, shadow)
     }
 
-    /// Stages that ran, and what was dropped.
-    pub(crate) fn report(&self) -> (Vec<StageStats>, Vec<Dropped>) {
-        let stages = Stage::ALL
-            .iter()
-            .zip(&self.entries)
-            .filter(|(_, e)| e.calls > 0);
+    /// Values that were dropped, and rays that could not be traced.
+    pub(crate) fn losses(&self) -> [Vec<Dropped>; 2] {
+        [self.dropped.clone(), self.untraceable.clone()]
+    }
+
+    /// Stages that ran.
+    pub(crate) fn report(&self) -> Vec<StageStats> {
+        let stages = Stage::all().zip(&self.entries).filter(|(_, e)| e.calls > 0);
         let stages = stages.map(|(stage, e)| {
-            let depth = e.rows.iter().rposition(|r| *r != BounceStats::default());
-            let sum = |f: fn(&BounceStats) -> u64| e.rows.iter().map(f).sum();
+            let depth = e.rows.0.iter().rposition(|r| *r != BounceStats::default());
+            let sum = |f: fn(&BounceStats) -> u64| e.rows.0.iter().map(f).sum();
             StageStats {
                 name: stage.name(),
                 calls: e.calls,
@@ -150,10 +230,20 @@ impl Account {
                 items_out: sum(|r| r.items_out),
                 lanes_busy: sum(|r| r.lanes_busy),
                 lanes_issued: e.lanes_issued,
-                bounces: e.rows[..depth.map_or(0, |d| d + 1)].to_vec(),
+                bytes_read: e.traffic.read,
+                bytes_written: e.traffic.written,
+                bounces: e.rows.0[..depth.map_or(0, |d| d + 1)].to_vec(),
+                counted: e.counted,
             }
         });
-        (stages.collect(), self.dropped.clone())
+        stages.collect()
+    }
+}
+
+fn add_counted(sum: &mut Option<Reading>, counted: Reading) {
+    let sum = sum.get_or_insert_default();
+    for (sum, counted) in sum.iter_mut().zip(counted) {
+        *sum += counted;
     }
 }
 
@@ -187,11 +277,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn every_stage_has_its_place() {
+        let places: Vec<usize> = Stage::all().map(Stage::index).collect();
+        assert_eq!(places, (0..Stage::COUNT).collect::<Vec<_>>());
+    }
+
+    #[test]
     fn apportioned_seconds_add_up() {
-        let mut account = Account::new();
+        let mut account = Account::new(&Instruments::default(), Instant::now());
         let tally = Tally::of(&[2, 2, 1, 0, 0, 0, 0], 0);
-        account.book(Stage::Intersect, Instant::now(), &tally, &tally);
-        let (stages, _) = account.report();
+        account.book(Stage::Intersect, &tally, &tally, Traffic::new(3, 4) * 7);
+        let stages = account.report();
+        assert_eq!((stages[0].bytes_read, stages[0].bytes_written), (21, 28));
         let parts: f64 = stages[0].bounces.iter().map(|b| b.seconds).sum();
         // Three additions and products of numbers of one sign.
         assert!((parts - stages[0].seconds).abs() <= 8.0 * f64::EPSILON * stages[0].seconds);

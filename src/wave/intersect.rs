@@ -2,21 +2,38 @@
 //!
 //! Intersect. In: paths. Out: hits, item by item.
 //! Occlude. In: occlusion rays. Out: light added to the samples of those that met nothing.
+//!
+//! A ray that cannot be traced (see [`untraceable`]) is reported and carries nothing from there on.
 
 use super::queue::Queue;
 use crate::film::SampleBuffer;
 use crate::geometry::Geometry;
 use huygens_kernels::emission::unoccluded;
 use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
-use huygens_kernels::rays::{Hits, Rays, Segments};
+use huygens_kernels::rays::{Hits, Rays, Segments, untraceable};
 
-/// Finds the closest hit of each path's ray.
+/// Finds the closest hit of each path's ray. `lost` is called with the slot of each path whose ray
+/// cannot be traced; it goes on as one that left the scene with a throughput of 0.
 pub(crate) fn intersect(
     geometry: &Geometry,
-    paths: &Queue<PathsMut<'static>>,
+    paths: &mut Queue<PathsMut<'static>>,
     hits: &mut Queue<PathHitsMut<'static>>,
+    mut lost: impl FnMut(u32),
 ) {
-    let (n, view) = (paths.len(), paths.view());
+    let n = paths.len();
+    let mut places = Vec::new();
+    let view = paths.view();
+    untraceable(n, view.origin, view.direction, |i| places.push(i));
+    for i in places {
+        lost(paths.view().slot[i]);
+        let path = paths.view_mut();
+        for c in 0..3 {
+            path.throughput[c][i] = 0.0;
+            path.direction[c][i] = 0.0;
+        }
+        path.pdf[i] = 1.0;
+    }
+    let view = paths.view();
     let out = hits.view_mut();
     geometry.closest(
         Rays {
@@ -35,15 +52,27 @@ pub(crate) fn intersect(
     hits.set_len(n);
 }
 
-/// Answers the occlusion rays and adds the light of the free ones.
+/// Answers the occlusion rays and adds the light of the free ones. `lost` is called with the slot of
+/// each that cannot be traced, `dropped` with that of each whose light is not finite.
 pub(crate) fn occlude(
     geometry: &Geometry,
-    shadows: &Queue<ShadowsMut<'static>>,
+    shadows: &mut Queue<ShadowsMut<'static>>,
     occlusion: &mut Queue<OcclusionMut<'static>>,
     samples: &mut SampleBuffer,
+    mut lost: impl FnMut(u32),
     dropped: impl FnMut(u32),
 ) {
-    let (n, view) = (shadows.len(), shadows.view());
+    let n = shadows.len();
+    let mut places = Vec::new();
+    let view = shadows.view();
+    untraceable(n, view.origin, view.direction, |i| places.push(i));
+    for i in places {
+        lost(shadows.view().slot[i]);
+        for column in shadows.view_mut().radiance {
+            column[i] = 0.0;
+        }
+    }
+    let view = shadows.view();
     geometry.occluded(
         Segments {
             len: n,
@@ -64,4 +93,44 @@ pub(crate) fn occlude(
         &mut samples.columns(),
         dropped,
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use huygens_kernels::rays::NO_PRIMITIVE;
+
+    #[test]
+    fn light_along_a_segment_that_cannot_be_traced_is_lost_and_reported() {
+        let mut shadows = Queue::<ShadowsMut>::new(8);
+        for i in 0..4 {
+            let row = shadows.view_mut();
+            for c in 0..3 {
+                row.origin[c][i] = 0.0;
+                row.direction[c][i] = 1.0;
+                row.radiance[c][i] = 2.0;
+            }
+            row.t_max[i] = 1.0;
+            row.leaves[i] = NO_PRIMITIVE;
+            row.reaches[i] = NO_PRIMITIVE;
+            row.slot[i] = 3 - i as u32;
+        }
+        shadows.view_mut().direction[1][2] = f32::NAN;
+        shadows.set_len(4);
+        let mut occlusion = Queue::new(8);
+        let mut samples = SampleBuffer::new(8);
+        let mut lost = Vec::new();
+        occlude(
+            &Geometry::default(),
+            &mut shadows,
+            &mut occlusion,
+            &mut samples,
+            |slot| lost.push(slot),
+            |_| panic!("nothing else is wrong"),
+        );
+        assert_eq!(lost, [1]);
+        for column in &samples.radiance {
+            assert_eq!(column[..4], [2.0, 0.0, 2.0, 2.0]);
+        }
+    }
 }

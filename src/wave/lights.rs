@@ -49,7 +49,8 @@ impl LightTables {
         let exitance = |m: &crate::scene::Material| {
             let sides = 1.0 + f64::from(m.two_sided);
             if all {
-                luminance(m.emission) * PI * sides
+                // Where it is textured, by its factor.
+                luminance(m.emission.factor) * PI * sides
             } else {
                 0.0
             }
@@ -67,7 +68,7 @@ impl LightTables {
         let first = powers.len();
         for light in &scene.lights {
             tables.punctual.push(punctual(&light.kind));
-            if all || light.kind.extent() == 0.0 {
+            if all || light.kind.is_delta() {
                 let k = tables.punctual.len() as u32 - 1;
                 tables.source.push(PUNCTUAL | k);
                 let power = luminance(light.kind.colour()) * light.kind.power_factor(radius);
@@ -100,11 +101,6 @@ impl LightTables {
     /// Whether next-event estimation has anything to sample.
     pub(crate) fn any(&self) -> bool {
         !self.source.is_empty()
-    }
-
-    /// Whether rays that leave the scene can find light: a sky, or discs.
-    pub(crate) fn any_beyond(&self, scene: &Scene) -> bool {
-        scene.sky.as_ref().is_some_and(Sky::shines) || self.punctual.iter().any(|l| l.extent > 0.0)
     }
 
     /// The view that kernels take.

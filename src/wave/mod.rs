@@ -9,10 +9,13 @@
 mod account;
 mod camera;
 mod control;
+mod counters;
 mod environment;
 mod generate;
+mod instruments;
 mod intersect;
 mod lights;
+mod plan;
 mod queue;
 mod render;
 mod roulette;
@@ -21,16 +24,21 @@ mod scheduler;
 mod setup;
 mod shade;
 mod sort;
+mod stages;
 mod stats;
+mod surfaces;
 mod tables;
 mod tally;
 
 pub use control::Control;
-pub use render::render;
+pub use counters::{COUNTERS, available as available_counters};
+pub use instruments::{Instruments, Slice, Timeline};
+pub use plan::{Plan, QueuePlan, plan};
+pub use render::{render, render_with};
 pub use stats::{BounceStats, Dropped, RenderStats, StageStats};
 
 use crate::film::{Job, SampleBuffer};
-use account::{Account, Stage};
+use account::Account;
 use generate::Source;
 use huygens_kernels::compact::Kept;
 use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
@@ -39,7 +47,7 @@ use setup::Setup;
 use sort::Lists;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
-use tally::Tally;
+use surfaces::Surfaces;
 
 /// One worker's wave: its queues, allocated once.
 struct Wave<'a> {
@@ -47,6 +55,8 @@ struct Wave<'a> {
     paths: Queue<PathsMut<'static>>,
     hits: Queue<PathHitsMut<'static>>,
     lists: Lists,
+    /// Where some surfaces are more than plain diffuse ones.
+    surfaces: Option<Surfaces>,
     scattered: Queue<PathsMut<'static>>,
     shadows: Queue<ShadowsMut<'static>>,
     occlusion: Queue<OcclusionMut<'static>>,
@@ -56,141 +66,59 @@ struct Wave<'a> {
 }
 
 impl<'a> Wave<'a> {
-    fn new(setup: &'a Setup<'a>) -> Self {
+    /// For the calling thread, in a render that began at `epoch`.
+    fn new(setup: &'a Setup<'a>, instruments: &Instruments, epoch: Instant) -> Self {
         let capacity = setup.capacity;
+        let shadows = if setup.casts_shadows() { capacity } else { 0 };
         Self {
             setup,
             paths: Queue::new(capacity),
             hits: Queue::new(capacity),
-            lists: Lists::new(capacity),
+            lists: Lists::new(capacity, setup.shaders.len(), setup.wanted),
+            surfaces: setup.surfaces(),
             scattered: Queue::new(capacity),
-            shadows: Queue::new(capacity),
-            occlusion: Queue::new(capacity),
+            shadows: Queue::new(shadows),
+            occlusion: Queue::new(shadows),
             kept: Vec::with_capacity(capacity),
-            account: Account::new(),
+            account: Account::new(instruments, epoch),
             rays: 0,
         }
+    }
+
+    /// Its queues, as they are.
+    fn queues(&self) -> Vec<QueuePlan> {
+        let mut queues = Vec::new();
+        queues.extend(QueuePlan::of("paths", &self.paths));
+        queues.extend(QueuePlan::of("hits", &self.hits));
+        queues.extend(self.lists.queues(self.setup));
+        queues.extend(self.surfaces.iter().flat_map(Surfaces::queues));
+        queues.extend(QueuePlan::of("scattered", &self.scattered));
+        queues.extend(QueuePlan::of("shadows", &self.shadows));
+        queues.extend(QueuePlan::of("occlusion", &self.occlusion));
+        queues
     }
 }
 
 impl scheduler::Worker for Wave<'_> {
     /// The loop. It runs while any path is under way; no stage knows which bounce it is at.
     fn trace(&mut self, job: &Job, samples: &mut SampleBuffer, stop: &AtomicBool) -> bool {
-        let Self {
-            setup,
-            paths,
-            hits,
-            lists,
-            scattered,
-            shadows,
-            occlusion,
-            kept,
-            account,
-            ..
-        } = self;
-        let Setup {
-            geometry,
-            tables,
-            sampler,
-            program,
-            ..
-        } = *setup;
-        let (sampler, program) = (*sampler, *program);
         let mut source = Source::new(job);
-        paths.set_len(0);
+        self.paths.set_len(0);
         loop {
-            let start = Instant::now();
-            let new = source.refill(&setup.lens, sampler, paths);
-            if new > 0 {
-                let mut out = Tally::default();
-                out.add(0, new);
-                account.book(Stage::Generate, start, &Tally::default(), &out);
-            }
-            if paths.len() == 0 {
+            self.generate(&mut source);
+            if self.paths.len() == 0 {
                 return true;
             }
             if stop.load(Ordering::Relaxed) {
                 return false;
             }
-
-            let under_way = Tally::of(&paths.view().bounces[..paths.len()], 0);
-            let start = Instant::now();
-            intersect::intersect(geometry, paths, hits);
-            account.book(Stage::Intersect, start, &under_way, &under_way);
-
-            let start = Instant::now();
-            lists.sort(
-                paths.len(),
-                paths.view(),
-                hits.view(),
-                tables.triangles.material,
-                &setup.emits,
-                setup.wanted,
-            );
-            account.book(Stage::Sort, start, &under_way, &lists.tally());
-
-            let (at, hit) = (paths.view(), hits.view());
-            if lists.sky.len() > 0 {
-                let start = Instant::now();
-                shade::sky(program, lists.sky.of(at, hit), tables, samples, |slot| {
-                    account.drop_sample(Stage::Sky.name(), job.sample_of(slot));
-                });
-                account.book(Stage::Sky, start, &lists.sky.tally, &Tally::default());
-            }
-            if lists.emission.len() > 0 {
-                let start = Instant::now();
-                shade::emission(
-                    program,
-                    lists.emission.of(at, hit),
-                    tables,
-                    samples,
-                    |slot| {
-                        account.drop_sample(Stage::Emission.name(), job.sample_of(slot));
-                    },
-                );
-                account.book(
-                    Stage::Emission,
-                    start,
-                    &lists.emission.tally,
-                    &Tally::default(),
-                );
-            }
-            let start = Instant::now();
-            let scatter = lists.scatter.of(at, hit);
-            let sinks = shade::Sinks {
-                scattered,
-                shadows,
-                samples,
-            };
-            shade::surface(program, scatter, tables, sampler, sinks, |slot| {
-                account.drop_sample(Stage::Scatter.name(), job.sample_of(slot));
-            });
-            let cast = Tally::of(&shadows.view().bounces[..shadows.len()], 0);
-            let on = Tally::of(&scattered.view().bounces[..scattered.len()], 0);
-            account.book(
-                Stage::Scatter,
-                start,
-                &lists.scatter.tally,
-                &cast.clone().plus(&on),
-            );
-
-            self.rays += (paths.len() + shadows.len()) as u64;
-            if shadows.len() > 0 {
-                let start = Instant::now();
-                intersect::occlude(geometry, shadows, occlusion, samples, |slot| {
-                    account.drop_sample(Stage::Occlude.name(), job.sample_of(slot));
-                });
-                account.book(Stage::Occlude, start, &cast, &Tally::default());
-            }
-
-            let start = Instant::now();
-            roulette::run(setup.rules, sampler, scattered, kept, paths, |slot| {
-                account.drop_sample(Stage::Roulette.name(), job.sample_of(slot));
-            });
-            if on.total() > 0 {
-                let survivors = Tally::of(&paths.view().bounces[..paths.len()], 0);
-                account.book(Stage::Roulette, start, &on, &survivors);
-            }
+            self.intersect(job);
+            self.sort();
+            self.emit(job, samples);
+            self.scatter(job, samples);
+            self.rays += (self.paths.len() + self.shadows.len()) as u64;
+            self.occlude(job, samples);
+            self.roulette(job);
         }
     }
 
@@ -198,9 +126,7 @@ impl scheduler::Worker for Wave<'_> {
         std::mem::take(&mut self.rays)
     }
 
-    fn left_out(&mut self, samples: &[(u32, u32, u32)]) {
-        for &at in samples {
-            self.account.drop_sample("film", at);
-        }
+    fn committed(&mut self, samples: usize, left_out: &[(u32, u32, u32)]) {
+        self.commit(samples, left_out);
     }
 }

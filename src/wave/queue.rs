@@ -43,6 +43,11 @@ impl<L: Layout> Queue<L> {
         self.len
     }
 
+    /// Items that fit.
+    pub(crate) fn capacity(&self) -> usize {
+        self.capacity
+    }
+
     /// Items that still fit.
     pub(crate) fn room(&self) -> usize {
         self.capacity - self.len

@@ -10,6 +10,7 @@ use super::Control;
 use crate::film::{Film, Job, SampleBuffer};
 use crate::settings::Settings;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Instant;
 
 /// Whoever turns jobs into samples: a worker's own.
 pub(crate) trait Worker: Send {
@@ -18,8 +19,8 @@ pub(crate) trait Worker: Send {
     fn trace(&mut self, job: &Job, samples: &mut SampleBuffer, stop: &AtomicBool) -> bool;
     /// Rays traced since the last call.
     fn rays(&mut self) -> u64;
-    /// Told about samples that the film left out.
-    fn left_out(&mut self, samples: &[(u32, u32, u32)]);
+    /// Told that a job of so many samples is on the film, and which of them the film left out.
+    fn committed(&mut self, samples: usize, left_out: &[(u32, u32, u32)]);
 }
 
 /// Camera samples in a job, unless a tile has more pixels: enough to keep a wave full for most of
@@ -85,35 +86,37 @@ impl Drop for StopOnPanic<'_> {
     }
 }
 
-/// Runs all jobs of `settings` on its threads, a worker each, and returns the workers.
+/// Runs all jobs of `settings` on its threads, a worker each, and returns the workers with the
+/// seconds that each had from being made to having nothing left to do.
 pub(crate) fn run<W: Worker>(
     film: &Film,
     settings: &Settings,
     control: &Control,
     worker: impl Fn() -> W + Sync,
-) -> Vec<W> {
+) -> Vec<(W, f64)> {
     let jobs = Jobs::new(film, settings.spp);
     let next = AtomicUsize::new(0);
     let work = || {
         let _guard = StopOnPanic(&control.stop);
+        let start = Instant::now();
         let mut worker = worker();
         let mut samples = SampleBuffer::new(jobs.slots());
         while !control.stop.load(Ordering::Relaxed) {
             let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) else {
                 break;
             };
-            samples.clear(job.slots());
             if !worker.trace(&job, &mut samples, &control.stop) {
                 break;
             }
             let left_out = film.commit(&job, &samples, &control.stop);
-            worker.left_out(&left_out);
+            samples.clear(job.slots());
+            worker.committed(job.slots(), &left_out);
             control
                 .samples
                 .fetch_add(job.slots() as u64, Ordering::Relaxed);
             control.rays.fetch_add(worker.rays(), Ordering::Relaxed);
         }
-        worker
+        (worker, start.elapsed().as_secs_f64())
     };
     match rayon::ThreadPoolBuilder::new()
         .num_threads(settings.threads)

@@ -1,10 +1,13 @@
 //! What all workers of a render share: the scene as tables, and the stages' settings.
 
+use super::account::Stage;
 use super::camera;
 use super::sampling::AnySampler;
 use super::shade::Program;
-use super::sort::Wanted;
+use super::sort::{Route, Wanted};
+use super::surfaces::Surfaces;
 use super::tables::{self, SceneTables};
+use crate::effects::{Effects, Shader};
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::settings::Settings;
@@ -16,7 +19,10 @@ use huygens_kernels::tables::Tables;
 pub(crate) struct Setup<'a> {
     pub(crate) geometry: &'a Geometry,
     pub(crate) tables: Tables<'a>,
-    pub(crate) emits: Vec<bool>,
+    /// The shaders that the scene's materials call for, in the order in which they run.
+    pub(crate) shaders: Vec<Shader>,
+    /// By material.
+    pub(crate) routes: Vec<Route>,
     pub(crate) lens: Lens<'a>,
     pub(crate) sampler: AnySampler,
     pub(crate) program: Program,
@@ -29,6 +35,7 @@ impl<'a> Setup<'a> {
     /// Assembles the wave. `filter` is the table of the scene's pixel filter.
     pub(crate) fn new(
         scene: &'a Scene,
+        effects: &Effects,
         scene_tables: &'a SceneTables,
         geometry: &'a Geometry,
         settings: &Settings,
@@ -46,14 +53,20 @@ impl<'a> Setup<'a> {
         } else {
             1
         };
+        let used = |s: &Shader| effects.shaders.contains(s);
+        let shaders: Vec<Shader> = Shader::ALL.into_iter().filter(used).collect();
+        let list = |s: &Shader| shaders.iter().position(|t| t == s).unwrap_or(0) as u8;
+        let routes = scene.materials.iter().zip(&effects.shaders);
+        let routes = routes.map(|(m, shader)| Route {
+            emits: m.emits(),
+            list: list(shader),
+        });
+        let routes = routes.collect();
         Self {
             geometry,
             tables: scene_tables.view(scene),
-            emits: scene
-                .materials
-                .iter()
-                .map(crate::scene::Material::emits)
-                .collect(),
+            shaders,
+            routes,
             lens: Lens {
                 camera: camera::in_pixels(&scene.camera, &scene.film),
                 filter,
@@ -61,7 +74,7 @@ impl<'a> Setup<'a> {
             },
             sampler: AnySampler::new(settings),
             program,
-            wanted: program.wanted(scene_tables.lights.any_beyond(scene)),
+            wanted: program.wanted(effects),
             rules: Rules {
                 random: settings.roulette,
                 limit,
@@ -69,5 +82,39 @@ impl<'a> Setup<'a> {
             },
             capacity: settings.wave.max(1),
         }
+    }
+}
+
+impl Setup<'_> {
+    /// Whether a stage can find work.
+    pub(crate) fn runs(&self, stage: Stage) -> bool {
+        let transport = self.program.is_transport();
+        let mut elaborate = self.shaders.iter().filter(|&&s| s != Shader::Plain);
+        match stage {
+            Stage::Generate | Stage::Intersect | Stage::Sort | Stage::Film => true,
+            Stage::Sky => self.wanted.sky,
+            Stage::Emission => self.wanted.emission,
+            Stage::Interact => elaborate.next().is_some(),
+            Stage::Light => elaborate.any(|&s| self.lights(s)),
+            Stage::Scatter(shader) => self.shaders.contains(&shader),
+            Stage::Occlude => self.casts_shadows(),
+            Stage::Roulette => transport,
+        }
+    }
+
+    /// Whether lights are sampled at a shader's surfaces.
+    pub(crate) fn lights(&self, shader: Shader) -> bool {
+        self.program.samples_lights() && !shader.is_delta()
+    }
+
+    /// Whether there are occlusion rays.
+    pub(crate) fn casts_shadows(&self) -> bool {
+        self.program.samples_lights() || matches!(self.program, Program::Ambient { .. })
+    }
+
+    /// The queues for surfaces that are more than plain diffuse ones, if there are any.
+    pub(crate) fn surfaces(&self) -> Option<Surfaces> {
+        self.runs(Stage::Interact)
+            .then(|| Surfaces::new(self.capacity, self.runs(Stage::Light)))
     }
 }

@@ -6,16 +6,17 @@
 //! Which kernels run is settled once a render, in [`Program`]: a strategy or an integrator is a
 //! choice of kernels, not a branch inside them.
 
-use super::queue::Queue;
 use super::sampling::{AnySampler, with_sampler};
 use super::sort::Wanted;
+use crate::effects::Effects;
 use crate::film::SampleBuffer;
 use crate::settings::{Integrator, Strategy};
 use huygens_kernels::emission::{sky_emission, surface_emission};
 use huygens_kernels::look::{Look, look};
-use huygens_kernels::queues::{Listed, PathsMut, ShadowsMut};
+use huygens_kernels::queues::Listed;
+use huygens_kernels::scatter::ambient::ambient;
+use huygens_kernels::scatter::plain::scatter;
 use huygens_kernels::scatter::{Cosine, LightsAlone, LightsWeighted, NoLights, Out, Uniform};
-use huygens_kernels::scatter::{ambient, scatter};
 use huygens_kernels::tables::Tables;
 
 /// What a render does at surfaces.
@@ -71,22 +72,29 @@ impl Program {
         matches!(self, Self::Blind { .. } | Self::Mis)
     }
 
+    /// Whether next-event estimation is in use.
+    pub(crate) fn samples_lights(self) -> bool {
+        matches!(
+            self,
+            Self::Light | Self::Mis | Self::Blind { delta: true, .. }
+        )
+    }
+
     /// Whether surfaces are looked at whatever the maximum depth.
     pub(crate) fn is_transport(self) -> bool {
         !matches!(self, Self::Ambient { .. } | Self::Look(_))
     }
 
     /// Which lists the sort stage fills.
-    pub(crate) fn wanted(self, sky: bool) -> Wanted {
+    pub(crate) fn wanted(self, effects: &Effects) -> Wanted {
         let transport = self.is_transport();
         Wanted {
             // Where nothing is, nothing occludes.
-            sky: if transport {
-                sky
-            } else {
-                matches!(self, Self::Ambient { .. })
+            sky: match self {
+                Self::Ambient { .. } => true,
+                _ => transport && effects.sky,
             },
-            emission: transport,
+            emission: transport && effects.emission,
             unsampled_only: self == Self::Light,
         }
     }
@@ -122,83 +130,55 @@ pub(crate) fn emission(
     }
 }
 
-/// Where surfaces send what they are given.
-pub(crate) struct Sinks<'a> {
-    pub(crate) scattered: &'a mut Queue<PathsMut<'static>>,
-    pub(crate) shadows: &'a mut Queue<ShadowsMut<'static>>,
-    pub(crate) samples: &'a mut SampleBuffer,
-}
-
-/// Scatters the listed paths at their surfaces, into emptied queues.
-pub(crate) fn surface(
+/// Scatters the listed plain surfaces behind what `out` already holds; light of quick looks goes to
+/// `samples`.
+pub(crate) fn plain(
     program: Program,
     listed: Listed,
     tables: &Tables,
     sampler: AnySampler,
-    into: Sinks<'_>,
+    out: &mut Out,
+    samples: &mut SampleBuffer,
     dropped: impl FnMut(u32),
 ) {
-    let Sinks {
-        scattered,
-        shadows,
-        samples,
-    } = into;
-    let out = Out {
-        paths: scattered.view_mut(),
-        shadows: shadows.view_mut(),
-        shadow_len: 0,
-    };
-    let (paths, occlusion_rays) = match program {
+    match program {
         Program::Blind {
             uniform: true,
             delta: false,
-        } => (
-            listed.len,
-            with_sampler!(sampler, s => scatter::<Uniform, NoLights, _>(listed, tables, s, out)),
-        ),
+        } => {
+            with_sampler!(sampler, s => scatter::<Uniform, NoLights, _>(listed, tables, s, out));
+        }
         Program::Blind {
             uniform: false,
             delta: false,
-        } => (
-            listed.len,
-            with_sampler!(sampler, s => scatter::<Cosine, NoLights, _>(listed, tables, s, out)),
-        ),
+        } => {
+            with_sampler!(sampler, s => scatter::<Cosine, NoLights, _>(listed, tables, s, out));
+        }
         Program::Blind {
             uniform: true,
             delta: true,
-        } => (
-            listed.len,
-            with_sampler!(sampler, s => scatter::<Uniform, LightsAlone, _>(listed, tables, s, out)),
-        ),
+        } => {
+            with_sampler!(sampler, s => scatter::<Uniform, LightsAlone, _>(listed, tables, s, out));
+        }
         Program::Blind {
             uniform: false,
             delta: true,
-        } => (
-            listed.len,
-            with_sampler!(sampler, s => scatter::<Cosine, LightsAlone, _>(listed, tables, s, out)),
-        ),
-        Program::Light => (
-            listed.len,
-            with_sampler!(sampler, s => scatter::<Cosine, LightsAlone, _>(listed, tables, s, out)),
-        ),
-        Program::Mis => (
-            listed.len,
-            with_sampler!(sampler, s => scatter::<Cosine, LightsWeighted, _>(listed, tables, s, out)),
-        ),
+        } => {
+            with_sampler!(sampler, s => scatter::<Cosine, LightsAlone, _>(listed, tables, s, out));
+        }
+        Program::Light => {
+            with_sampler!(sampler, s => scatter::<Cosine, LightsAlone, _>(listed, tables, s, out));
+        }
+        Program::Mis => {
+            with_sampler!(sampler, s => scatter::<Cosine, LightsWeighted, _>(listed, tables, s, out));
+        }
         Program::Ambient { distance, uniform } => {
-            let shadows = out.shadows;
-            let made = if uniform {
-                with_sampler!(sampler, s => ambient::<Uniform, _>(listed, tables, s, distance, shadows))
+            if uniform {
+                with_sampler!(sampler, s => ambient::<Uniform, _>(listed, tables, s, distance, out));
             } else {
-                with_sampler!(sampler, s => ambient::<Cosine, _>(listed, tables, s, distance, shadows))
-            };
-            (0, made)
+                with_sampler!(sampler, s => ambient::<Cosine, _>(listed, tables, s, distance, out));
+            }
         }
-        Program::Look(what) => {
-            look(what, listed, tables, &mut samples.columns(), dropped);
-            (0, 0)
-        }
-    };
-    scattered.set_len(paths);
-    shadows.set_len(occlusion_rays);
+        Program::Look(what) => look(what, listed, tables, &mut samples.columns(), dropped),
+    }
 }

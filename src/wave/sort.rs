@@ -3,15 +3,27 @@
 //! In: paths and their hits. Out: index lists, in the paths' order. One pass: the lists of this
 //! stage are few, and a path that meets an emissive surface goes to two of them.
 
+use super::account::Stage;
+use super::plan::QueuePlan;
+use super::setup::Setup;
 use super::tally::{Tally, for_each_run};
+use huygens_kernels::bsdf;
 use huygens_kernels::lanes::LANES;
 use huygens_kernels::queues::{LAST_RAY, Listed, PathHits, Paths};
 use huygens_kernels::rays::NO_PRIMITIVE;
+use huygens_kernels::traffic::Traffic;
+
+/// Bytes a path: primitive, bounces and material.
+pub(crate) const READ: Traffic = Traffic::new(12, 0);
+/// Bytes an entry of a list.
+pub(crate) const WRITTEN: Traffic = Traffic::new(0, 4);
 
 /// Indices into the path queue, with room for one vector of padding.
 pub(crate) struct IndexList {
     indices: Vec<u32>,
     len: usize,
+    /// Items before the run that is being sorted.
+    before: usize,
     /// Items by bounce.
     pub(crate) tally: Tally,
 }
@@ -21,8 +33,13 @@ impl IndexList {
         Self {
             indices: vec![0; capacity + LANES],
             len: 0,
+            before: 0,
             tally: Tally::default(),
         }
+    }
+
+    fn plan(&self, name: &'static str) -> QueuePlan {
+        QueuePlan::list(name, self.indices.len() - LANES)
     }
 
     /// Items.
@@ -37,6 +54,7 @@ impl IndexList {
             len: self.len,
             paths,
             hits,
+            material: None,
         }
     }
 
@@ -66,8 +84,8 @@ pub(crate) struct Lists {
     pub(crate) sky: IndexList,
     /// Paths at surfaces that emit.
     pub(crate) emission: IndexList,
-    /// Paths at surfaces that scatter.
-    pub(crate) scatter: IndexList,
+    /// Paths at surfaces that scatter, by shader.
+    pub(crate) scatter: Vec<IndexList>,
 }
 
 /// What the lists are for in this render.
@@ -82,56 +100,87 @@ pub(crate) struct Wanted {
     pub(crate) unsampled_only: bool,
 }
 
+/// Where a material's surfaces go.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Route {
+    /// Whether they emit.
+    pub(crate) emits: bool,
+    /// Their list among [`Lists::scatter`].
+    pub(crate) list: u8,
+}
+
 impl Lists {
-    pub(crate) fn new(capacity: usize) -> Self {
+    /// Lists for waves of `capacity` paths and `shaders` shaders.
+    pub(crate) fn new(capacity: usize, shaders: usize, wanted: Wanted) -> Self {
         Self {
-            sky: IndexList::new(capacity),
-            emission: IndexList::new(capacity),
-            scatter: IndexList::new(capacity),
+            sky: IndexList::new(if wanted.sky { capacity } else { 0 }),
+            emission: IndexList::new(if wanted.emission { capacity } else { 0 }),
+            scatter: (0..shaders).map(|_| IndexList::new(capacity)).collect(),
         }
     }
 
-    /// Items by bounce, all lists together.
-    pub(crate) fn tally(&self) -> Tally {
-        self.sky
-            .tally
-            .clone()
-            .plus(&self.emission.tally)
-            .plus(&self.scatter.tally)
+    /// Its lists, as queues.
+    pub(crate) fn queues(&self, setup: &Setup) -> Vec<QueuePlan> {
+        let mut queues = Vec::new();
+        if setup.wanted.sky {
+            queues.push(self.sky.plan("sky list"));
+        }
+        if setup.wanted.emission {
+            queues.push(self.emission.plan("emission list"));
+        }
+        let scatter = setup.shaders.iter().zip(&self.scatter);
+        queues.extend(scatter.map(|(&shader, list)| list.plan(Stage::Scatter(shader).name())));
+        queues
     }
 
-    /// Sorts the first `n` paths. `emits` is indexed by material.
+    fn all(&mut self) -> impl Iterator<Item = &mut IndexList> {
+        [&mut self.sky, &mut self.emission]
+            .into_iter()
+            .chain(&mut self.scatter)
+    }
+
+    /// Items by bounce, all lists together.
+    pub(crate) fn tally(&mut self) -> Tally {
+        let mut lists = self.all();
+        let first = lists
+            .next()
+            .map(|list| list.tally.clone())
+            .unwrap_or_default();
+        lists.fold(first, |sum, list| sum.plus(&list.tally))
+    }
+
+    /// Sorts the first `n` paths. `routes` is indexed by material.
     pub(crate) fn sort(
         &mut self,
         n: usize,
         paths: Paths,
         hits: PathHits,
         material: &[u32],
-        emits: &[bool],
+        routes: &[Route],
         wanted: Wanted,
     ) {
-        let lists = [&mut self.sky, &mut self.emission, &mut self.scatter];
-        lists.into_iter().for_each(IndexList::clear);
+        self.all().for_each(IndexList::clear);
         for_each_run(&paths.bounces[..n], |bounce, run| {
-            let before = [self.sky.len, self.emission.len, self.scatter.len];
+            for list in self.all() {
+                list.before = list.len;
+            }
             for i in run {
-                let light = !wanted.unsampled_only || paths.pdf[i] == f32::INFINITY;
+                let light = !wanted.unsampled_only || paths.pdf[i] == bsdf::DELTA_PDF;
                 let primitive = hits.primitive[i];
                 if primitive == NO_PRIMITIVE {
                     self.sky.push_if(i, wanted.sky && light);
                 } else {
-                    let emitting = emits[material[primitive as usize] as usize];
+                    let route = routes[material[primitive as usize] as usize];
                     self.emission
-                        .push_if(i, wanted.emission && light && emitting);
-                    self.scatter.push_if(i, paths.bounces[i] & LAST_RAY == 0);
+                        .push_if(i, wanted.emission && light && route.emits);
+                    let list = &mut self.scatter[usize::from(route.list)];
+                    list.push_if(i, paths.bounces[i] & LAST_RAY == 0);
                 }
             }
-            let lists = [&mut self.sky, &mut self.emission, &mut self.scatter];
-            for (list, before) in lists.into_iter().zip(before) {
-                list.tally.add(bounce, list.len - before);
+            for list in self.all() {
+                list.tally.add(bounce, list.len - list.before);
             }
         });
-        let lists = [&mut self.sky, &mut self.emission, &mut self.scatter];
-        lists.into_iter().for_each(IndexList::pad);
+        self.all().for_each(IndexList::pad);
     }
 }

@@ -1,13 +1,14 @@
 //! From a compiled scene to the tables that kernels read.
 
 use super::lights::{LightTables, Sampled};
-use crate::scene::{Mesh, Scene};
-use huygens_kernels::tables::{Materials, Tables, Triangles};
+use crate::scene::{Bsdf, Material, Mesh, Scene};
+use huygens_kernels::tables::{Materials, SLOTS, Tables, Triangles};
 
 /// Material columns and light tables.
 #[derive(Debug, Default)]
 pub(crate) struct SceneTables {
     albedo: [Vec<f32>; 3],
+    parameters: [Vec<f32>; SLOTS],
     emission: [Vec<f32>; 3],
     two_sided: Vec<u32>,
     pub(crate) lights: LightTables,
@@ -21,9 +22,13 @@ impl SceneTables {
             ..Self::default()
         };
         for m in &scene.materials {
+            let albedo = m.albedo(&scene.materials);
             for c in 0..3 {
-                tables.albedo[c].push(m.albedo[c]);
-                tables.emission[c].push(m.emission[c]);
+                tables.albedo[c].push(albedo[c]);
+                tables.emission[c].push(m.emission.factor[c]);
+            }
+            for (column, value) in tables.parameters.iter_mut().zip(parameters(m)) {
+                column.push(value);
             }
             tables
                 .two_sided
@@ -43,6 +48,7 @@ impl SceneTables {
             },
             materials: Materials {
                 albedo: columns(&self.albedo),
+                parameters: self.parameters.each_ref().map(|column| &column[..]),
                 emission: columns(&self.emission),
                 two_sided: &self.two_sided,
                 area_pdf: &self.lights.area_pdf,
@@ -50,6 +56,21 @@ impl SceneTables {
             lights: self.lights.view(scene),
         }
     }
+}
+
+/// The parameters of a material's BSDF, in the slots where its kernel looks for them
+/// (`huygens_kernels::scatter::kinds`).
+fn parameters(material: &Material) -> [f32; SLOTS] {
+    let mut slots = [0.0; SLOTS];
+    if let Bsdf::Diffuse {
+        reflectance,
+        roughness,
+    } = &material.bsdf
+    {
+        slots[..3].copy_from_slice(&reflectance.factor);
+        slots[3] = *roughness;
+    }
+    slots
 }
 
 /// Relative luminance of linear Rec. 709; never 0 for a colour that is not black.

@@ -105,6 +105,7 @@ pub(crate) fn render(scene: &Scene, settings: &Settings) -> (Image, RenderStats)
         "every sample was rendered"
     );
     assert!(stats.dropped.is_empty(), "{:?}", stats.dropped);
+    assert!(stats.untraceable.is_empty(), "{:?}", stats.untraceable);
     (film.develop(), stats)
 }
 

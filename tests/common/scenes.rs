@@ -19,12 +19,9 @@ impl Builder {
 
     /// A one-sided material; its index.
     pub(crate) fn material(&mut self, albedo: [f32; 3], emission: [f32; 3]) -> u32 {
-        self.materials.push(Material {
-            name: format!("material {}", self.materials.len()),
-            albedo,
-            emission,
-            two_sided: false,
-        });
+        let name = format!("material {}", self.materials.len());
+        self.materials
+            .push(Material::diffuse(name, albedo, emission));
         self.materials.len() as u32 - 1
     }
 
@@ -83,6 +80,7 @@ impl Builder {
             },
             mesh: self.mesh,
             materials: self.materials,
+            textures: Vec::new(),
             sky: None,
             lights: Vec::new(),
             settings: Settings::default(),

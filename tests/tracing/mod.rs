@@ -49,6 +49,7 @@ pub fn mesh(vertices: Vec<[f32; 3]>, indices: Vec<[u32; 3]>) -> Mesh {
         vertices,
         indices,
         material,
+        ..Mesh::default()
     }
 }
 

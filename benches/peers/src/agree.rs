@@ -155,6 +155,7 @@ mod tests {
             ],
             indices: vec![[0, 1, 2], [0, 2, 3], [4, 5, 6]],
             material: vec![0; 3],
+            ..Mesh::default()
         }
     }
 

@@ -23,6 +23,7 @@ pub(crate) fn displaced(level: u32) -> Mesh {
         material: vec![0; indices.len()],
         vertices,
         indices,
+        ..Mesh::default()
     }
 }
 

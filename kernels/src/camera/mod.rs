@@ -7,7 +7,7 @@
 //! Each [`Projection`] is compiled into an instance of the kernel of its own: four, times the
 //! samplers. Which one runs is decided once a call.
 //!
-//! Written: 64 bytes an item.
+//! Bytes: [`TRAFFIC`].
 
 mod orthographic;
 mod panorama;
@@ -24,8 +24,12 @@ use crate::lanes::{Fx, LANES, Ux, iota, padded, store, store_u32, to_f32};
 use crate::queues::{LAST_RAY, PathsMut};
 use crate::rays::NO_PRIMITIVE;
 use crate::sampler::{CAMERA_BLOCK, Sampler};
+use crate::traffic::{Traffic, item};
 use crate::vec3::Vec3x;
 use std::ops::Range;
+
+/// Bytes a camera ray.
+pub const TRAFFIC: Traffic = Traffic::new(0, item::<PathsMut<'static>>());
 
 /// From points of the image to rays.
 pub trait Projection: Copy {

@@ -4,6 +4,7 @@ use super::camera::CameraContents;
 use crate::cli::options;
 use huygens::film::Film;
 use huygens::scene::{self, Filter, Mesh, Scene};
+use huygens::wave::Plan;
 use serde::Serialize;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -24,6 +25,9 @@ pub(crate) struct Contents {
     pub(super) materials: Vec<MaterialContents>,
     pub(super) lights: Vec<Light>,
     pub(super) settings: String,
+    /// Effects, stages and queues.
+    #[serde(flatten)]
+    pub(super) plan: Plan,
     pub(super) memory: Vec<Table>,
     /// Of all tables but the film.
     pub(super) bytes_per_triangle: Option<f64>,
@@ -73,7 +77,12 @@ pub(super) struct Table {
 
 impl Contents {
     /// `tables` are those of the acceleration structure, with their bytes.
-    pub(crate) fn of(scene: &Scene, file: &Path, tables: &[(&'static str, usize)]) -> Self {
+    pub(crate) fn of(
+        scene: &Scene,
+        file: &Path,
+        tables: &[(&'static str, usize)],
+        plan: Plan,
+    ) -> Self {
         let materials = materials(scene);
         let bounds = Bounds::of(&scene.mesh);
         let memory = memory(scene, tables);
@@ -97,6 +106,7 @@ impl Contents {
             camera: CameraContents::of(&scene.camera),
             materials,
             settings: options::as_options(scene),
+            plan,
             bytes_per_triangle: each(geometry.map(|t| t.bytes).sum(), triangles),
             memory,
             warnings: scene.warnings.clone(),
@@ -137,8 +147,8 @@ fn materials(scene: &Scene) -> Vec<MaterialContents> {
         name: m.name.clone(),
         triangles,
         area,
-        albedo: m.albedo,
-        emission: m.emission,
+        albedo: m.albedo(&scene.materials),
+        emission: m.emission.factor,
         two_sided: m.two_sided,
     };
     scene.materials.iter().zip(worn).map(contents).collect()
@@ -238,8 +248,13 @@ fn memory(scene: &Scene, tables: &[(&'static str, usize)]) -> Vec<Table> {
 mod tests {
     use super::*;
     use crate::cli::stats::tests::{documented, paths, scene as empty};
+    use huygens::geometry::Geometry;
     use huygens::scene::{Material, Sky};
     use std::collections::BTreeSet;
+
+    fn plan(scene: &Scene) -> Plan {
+        huygens::wave::plan(scene, &Geometry::build(&scene.mesh), &scene.settings)
+    }
 
     /// A 3-4-5 triangle that emits from both sides, under a sky.
     fn lit() -> Scene {
@@ -248,12 +263,11 @@ mod tests {
             vertices: vec![[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [0.0, 4.0, 0.0]],
             indices: vec![[0, 1, 2]],
             material: vec![0],
+            ..Mesh::default()
         };
         scene.materials.push(Material {
-            name: "lamp".into(),
-            albedo: [0.5; 3],
-            emission: [1.0, 2.0, 0.0],
             two_sided: true,
+            ..Material::diffuse("lamp", [0.5; 3], [1.0, 2.0, 0.0])
         });
         scene.sky = Some(Sky::constant([1.0; 3]));
         scene
@@ -261,8 +275,8 @@ mod tests {
 
     #[test]
     fn the_layout_is_the_documented_one() {
-        let json =
-            serde_json::to_value(Contents::of(&lit(), Path::new("a"), &[])).expect("serialised");
+        let json = serde_json::to_value(Contents::of(&lit(), Path::new("a"), &[], plan(&lit())))
+            .expect("serialised");
         let mut found = BTreeSet::new();
         paths(&json, "", &mut found);
         assert_eq!(found, documented("inspect --json"));
@@ -270,7 +284,7 @@ mod tests {
 
     #[test]
     fn powers_are_those_of_lambertian_emitters_and_of_the_sky() {
-        let contents = Contents::of(&lit(), Path::new("a"), &[]);
+        let contents = Contents::of(&lit(), Path::new("a"), &[], plan(&lit()));
         // Area 6, both sides; the box's half diagonal squared is 6.25.
         assert_eq!(contents.lights[0].power, [12.0 * PI, 24.0 * PI, 0.0]);
         assert_eq!(contents.lights[1].power, [4.0 * PI * 6.25 * PI; 3]);
@@ -279,7 +293,7 @@ mod tests {
 
     #[test]
     fn an_empty_scene_has_no_bounds_and_no_light() {
-        let contents = Contents::of(&empty(), Path::new("a"), &[]);
+        let contents = Contents::of(&empty(), Path::new("a"), &[], plan(&empty()));
         assert_eq!((contents.bounds.min, contents.bounds.max), (None, None));
         assert!(contents.lights.is_empty());
         assert!(contents.to_text().contains("light      none\n"));

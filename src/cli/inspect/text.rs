@@ -58,6 +58,20 @@ impl Contents {
         if self.lights.is_empty() {
             line("light", "none".to_owned());
         }
+        for e in &self.plan.effects {
+            line("effect", format!("{}: {}", e.name, e.reason));
+        }
+        line("stages", self.plan.stages.join(", "));
+        for q in &self.plan.queues {
+            let columns = q.columns.join(", ");
+            line(
+                "queue",
+                format!(
+                    "{}: {} B an item, room for {} ({columns})",
+                    q.name, q.bytes_per_item, q.capacity
+                ),
+            );
+        }
         let mut row = |table: &str, size: usize, each: Option<f64>| {
             let each = each.map_or_else(String::new, |b| format!("  {b:.1} B a triangle"));
             let what = format!("{table:<20} {:>9}{each}", bytes(size as u64));

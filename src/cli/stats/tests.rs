@@ -29,6 +29,7 @@ pub(crate) fn scene() -> Scene {
         },
         mesh: Mesh::default(),
         materials: Vec::new(),
+        textures: Vec::new(),
         sky: None,
         lights: Vec::new(),
         settings: Settings {
@@ -42,6 +43,8 @@ pub(crate) fn scene() -> Scene {
 pub(crate) fn render() -> RenderStats {
     RenderStats {
         seconds: 2.0,
+        cpu_seconds: Some(3.5),
+        worker_seconds: 3.75,
         threads: 2,
         samples: 12_800,
         camera_rays: 12_800,
@@ -59,6 +62,12 @@ pub(crate) fn render() -> RenderStats {
             count: 2,
             examples: vec![(1, 2, 3)],
         }],
+        untraceable: vec![Dropped {
+            stage: "intersect",
+            count: 1,
+            examples: vec![(4, 5, 6)],
+        }],
+        timelines: Vec::new(),
     }
 }
 

@@ -129,6 +129,7 @@ mod tests {
             vertices: corners.to_vec(),
             indices: vec![[0, 1, 2]],
             material: vec![0],
+            ..Mesh::default()
         }
     }
 

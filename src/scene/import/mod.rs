@@ -7,8 +7,8 @@ mod piece;
 mod ply;
 mod statements;
 
-use super::compiled::Material;
 use super::error::SceneError;
+use super::material::Material;
 use std::io::{self, Read};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -3,8 +3,8 @@
 
 use super::Imported;
 use super::statements::{split, statements, text};
-use crate::scene::compiled::Material;
 use crate::scene::error::io_message;
+use crate::scene::material::Material;
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
@@ -53,12 +53,7 @@ pub(super) struct Library {
 
 /// A material of which nothing but the name is known.
 pub(in crate::scene) fn grey(name: &str) -> Material {
-    Material {
-        name: name.to_owned(),
-        albedo: [GREY; 3],
-        emission: [0.0; 3],
-        two_sided: false,
-    }
+    Material::diffuse(name, [GREY; 3], [0.0; 3])
 }
 
 impl Library {
@@ -105,9 +100,9 @@ impl Library {
         }
         let (read, _) = tobj::load_mtl_buf(&mut plain.as_bytes()).map_err(std::io::Error::other)?;
         for (name, from) in names.iter().zip(read) {
-            let mut material = grey(name);
-            material.albedo = from.diffuse.unwrap_or(material.albedo);
-            material.emission = from.emissive.unwrap_or(material.emission);
+            let reflectance = from.diffuse.unwrap_or([GREY; 3]);
+            let emission = from.emissive.unwrap_or_default();
+            let material = Material::diffuse(name, reflectance, emission);
             self.materials.insert(name.clone(), material);
         }
         Ok(())

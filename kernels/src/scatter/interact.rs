@@ -1,0 +1,66 @@
+//! From hits to surface interactions: the first of three passes over surfaces that are more than
+//! plain diffuse ones.
+//!
+//! Bytes: [`INTERACT`].
+
+use super::draw;
+use crate::hemisphere::Frame;
+use crate::lanes::{Ux, as_bits, gather, gather_u32, store, store_u32};
+use crate::queues::{DrawnMut, Listed, PathHitsMut, PathsMut, SurfacesMut};
+use crate::sampler::{Block, Sampler};
+use crate::surface::{self, Corners, clearance};
+use crate::tables::Tables;
+use crate::traffic::{Traffic, columns, item};
+use crate::vec3::Vec3x;
+
+/// Bytes a path: its place, direction and identity, hit and triangle read; a row written.
+pub const INTERACT: Traffic = Traffic::new(
+    4 + columns::<PathsMut<'static>>(&["direction", "slot", "pixel", "sample", "bounces"])
+        + item::<PathHitsMut<'static>>()
+        + surface::TRIANGLE_BYTES,
+    item::<SurfacesMut<'static>>() + item::<DrawnMut<'static>>(),
+);
+
+/// Writes what the listed paths met, and the numbers that they use there, row by row of the list.
+pub fn interact<S: Sampler>(
+    listed: Listed,
+    tables: &Tables,
+    sampler: S,
+    mut surfaces: SurfacesMut,
+    mut drawn: DrawnMut,
+) {
+    for (i, at, _) in listed.vectors() {
+        let direction = Vec3x::gather_columns(listed.paths.direction, at);
+        let primitive: Ux = gather_u32(listed.hits.primitive, at);
+        let (u, v) = (gather(listed.hits.u, at), gather(listed.hits.v, at));
+        let corners = Corners::gather(&tables.triangles, primitive);
+        let outside = corners.unit_normal();
+        let front = outside.dot(direction).simd_lt(crate::lanes::Fx::ZERO);
+        let normal = Vec3x::select(front, outside, -outside);
+        let (point, scale) = corners.point(u, v);
+        let shading = normal;
+        let s = &mut surfaces;
+        point.store(&mut s.point, i);
+        store(s.clearance, i, clearance(scale, normal));
+        normal.store(&mut s.normal, i);
+        shading.store(&mut s.shading, i);
+        let local = Frame::about(shading).to_local(-direction);
+        local.store(&mut s.omega_o, i);
+        store_u32(s.front, i, as_bits(front));
+        store_u32(s.primitive, i, primitive);
+        let material = match listed.material {
+            Some(met) => gather_u32(met, at),
+            None => gather_u32(tables.triangles.material, primitive),
+        };
+        store_u32(s.material, i, material);
+
+        let path = listed.paths.identity(at);
+        let [x, y, _, choice] = draw(sampler, &path, Block::Direction);
+        Vec3x::new(x, y, choice).store(&mut drawn.direction, i);
+        let [select, keep, u, v] = draw(sampler, &path, Block::Light);
+        store(drawn.select, i, select);
+        store(drawn.keep, i, keep);
+        store(drawn.u, i, u);
+        store(drawn.v, i, v);
+    }
+}

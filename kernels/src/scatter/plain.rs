@@ -1,0 +1,111 @@
+//! Lambertian scattering: hemisphere sampling with PDF weighting, and next-event estimation.
+//!
+//! A Lambertian BSDF is `albedo / pi`. For every path at a surface with unit normal `n`:
+//!
+//! * a direction `w` on the hemisphere about `n`, drawn with pdf `p(w)`; the path goes on with
+//!   `throughput *= (albedo / pi) cos(n, w) / p(w)`;
+//! * with next-event estimation, one point on one light: an occlusion ray that carries
+//!   `throughput * (albedo / pi) * L * cos(n, w_l) / p_l(w_l)`, times the power heuristic's weight
+//!   where `p` could have found that light too.
+//!
+//! Both pdfs are in solid angle. Paths come in through an index list and leave in its order, dense:
+//! lanes that can carry nothing more (a black surface) leave with throughput 0, which roulette ends.
+//! Occlusion rays that can carry nothing are not made.
+//!
+//! Bytes: [`SCATTER`] a path, [`SHADOW`] an occlusion ray.
+
+use super::{Directions, NextEvent, Out, draw};
+use crate::compact::Kept;
+use crate::hemisphere::to_world;
+use crate::lanes::{Fx, Ux, as_mask, store, store_u32};
+use crate::light::sample_light;
+use crate::math::INV_PI;
+use crate::queues::{Listed, PathHitsMut, PathsMut, ShadowsMut};
+use crate::sampler::{Block, Sampler};
+use crate::surface::{self, Surface};
+use crate::tables::Tables;
+use crate::traffic::{Traffic, columns, item};
+use crate::vec3::Vec3x;
+
+/// Bytes a scattered path: its place, direction, throughput and identity, hit, triangle and albedo
+/// read; the path written.
+pub const SCATTER: Traffic = Traffic::new(
+    4 + columns::<PathsMut<'static>>(&[
+        "direction",
+        "throughput",
+        "slot",
+        "pixel",
+        "sample",
+        "bounces",
+    ]) + item::<PathHitsMut<'static>>()
+        + surface::TRIANGLE_BYTES
+        + 12,
+    item::<PathsMut<'static>>(),
+);
+/// Bytes an occlusion ray: the light's entry (12), triangle and material (20) read; the ray written.
+pub const SHADOW: Traffic = Traffic::new(
+    12 + surface::TRIANGLE_BYTES + 20,
+    item::<ShadowsMut<'static>>(),
+);
+
+/// Scatters the listed paths behind the paths and occlusion rays that `out` already holds.
+pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(
+    listed: Listed,
+    tables: &Tables,
+    sampler: S,
+    out: &mut Out,
+) {
+    for (i, at, busy) in listed.vectors() {
+        let surface = Surface::met(&listed, &tables.triangles, at);
+        let primitive = surface.primitive;
+        let albedo = Vec3x::gather_columns(tables.materials.albedo, surface.material);
+        let reflected = Vec3x::gather_columns(listed.paths.throughput, at).product(albedo);
+        let path = listed.paths.identity(at);
+
+        let [u, v, ..] = draw(sampler, &path, Block::Direction);
+        let local = D::sample(u, v);
+        let next = to_world(surface.normal, local);
+        let to = out.path_len + i;
+        let p = &mut out.paths;
+        surface.origin.store(&mut p.origin, to);
+        next.store(&mut p.direction, to);
+        (reflected * D::weight(local.z)).store(&mut p.throughput, to);
+        store(p.pdf, to, D::pdf(local.z));
+        store_u32(p.leaves, to, primitive);
+        store_u32(p.slot, to, path.slot);
+        store_u32(p.pixel, to, path.pixel);
+        store_u32(p.sample, to, path.sample);
+        store_u32(p.bounces, to, path.bounces + Ux::ONE);
+
+        if N::LIGHTS {
+            let u = draw(sampler, &path, Block::Light);
+            let light = sample_light(tables, &surface.anchor(Fx::ZERO), u);
+            let cos = surface.normal.dot(light.direction);
+            let weight = if N::WEIGHTED {
+                light.weight(D::pdf(cos))
+            } else {
+                Fx::ONE
+            };
+            let factor = cos * Fx::splat(INV_PI) * weight / light.pdf;
+            let radiance = reflected.product(light.radiance) * factor;
+            let carries = busy
+                & light.valid
+                & cos.simd_gt(Fx::ZERO)
+                & !as_mask(light.primitive.simd_eq(primitive))
+                & radiance.max_component().simd_gt(Fx::ZERO);
+            let kept = Kept::new(carries);
+            let to = out.shadow_len;
+            let s = &mut out.shadows;
+            kept.store3(&mut s.origin, to, light.origin);
+            kept.store3(&mut s.direction, to, light.segment);
+            kept.store(s.t_max, to, light.t_max);
+            kept.store3(&mut s.radiance, to, radiance);
+            kept.store_u32(s.leaves, to, primitive);
+            kept.store_u32(s.reaches, to, light.primitive);
+            kept.store_u32(s.slot, to, path.slot);
+            kept.store_u32(s.bounces, to, path.bounces);
+            out.shadow_len += kept.count;
+        }
+    }
+    out.path_len += listed.len;
+}

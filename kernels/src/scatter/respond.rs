@@ -1,0 +1,152 @@
+//! What a BSDF makes of its surface interactions: the last of three passes, one instance a kind.
+//!
+//! In the local frame of the shading normal, with `omega_o` above:
+//!
+//! * a direction drawn by the BSDF; the path goes on with `throughput *= f |cos| / pdf`;
+//! * with next-event estimation, the light sample of the row, worth
+//!   `throughput * f |cos| * L / p_l`, times the power heuristic's weight.
+//!
+//! A direction that lies on one side of the geometric surface and on the other of the shading normal's
+//! plane carries nothing: light neither leaks through nor is reflected into the surface.
+//!
+//! Bytes: [`PATH`] a row, [`SHADOW`] an occlusion ray.
+
+use super::{NextEvent, Out};
+use crate::bsdf::Bsdf;
+use crate::compact::Kept;
+use crate::hemisphere::Frame;
+use crate::lanes::{Fx, LANES, Mask, Ux, as_mask, first, load, load_u32, padded, store, store_u32};
+use crate::mis::power_heuristic;
+use crate::queues::{
+    BOTH_SIDES, Drawn, DrawnMut, Listed, Lit, LitMut, PathsMut, ShadowsMut, Surfaces, SurfacesMut,
+};
+use crate::tables::{Materials, Parameters};
+use crate::traffic::{Traffic, columns, item};
+use crate::vec3::Vec3x;
+
+/// Bytes a row: surface, numbers, path and hit read; the scattered path written. The parameters of
+/// the scene's few materials stay in the first cache and are not counted.
+pub const PATH: Traffic = Traffic::new(
+    4 + item::<SurfacesMut<'static>>()
+        + columns::<DrawnMut<'static>>(&["direction"])
+        + columns::<PathsMut<'static>>(&["throughput", "slot", "pixel", "sample", "bounces"]),
+    item::<PathsMut<'static>>(),
+);
+/// Bytes an occlusion ray.
+pub const SHADOW: Traffic = Traffic::new(item::<LitMut<'static>>(), item::<ShadowsMut<'static>>());
+
+/// A kind of BSDF: how its parameters come out of the material tables.
+pub trait Kind {
+    /// The BSDF, a set of parameters a lane.
+    type Bsdf: Bsdf;
+    /// Whether nothing but its own sampling finds its directions: light is not sampled then.
+    const DELTA: bool;
+    /// Whether light passes through: what lies below is lit too.
+    const PASSES: bool = false;
+    /// Fetches the parameters, for surfaces seen from their front or their back.
+    fn load(parameters: Parameters, front: Mask) -> Self::Bsdf;
+}
+
+/// Rows of surface interactions, all of one kind.
+#[derive(Clone, Copy, Debug)]
+pub struct Rows<'a, 'b> {
+    /// The paths, row by row.
+    pub listed: Listed<'a>,
+    /// What they met.
+    pub surfaces: Surfaces<'b>,
+    /// The numbers that they use.
+    pub drawn: Drawn<'b>,
+    /// Light samples; unspecified where next-event estimation is not in use or the kind is a delta.
+    pub lit: Lit<'b>,
+}
+
+/// Scatters the rows behind the paths and occlusion rays that `out` already holds.
+pub fn respond<K: Kind, N: NextEvent>(rows: Rows, materials: &Materials, out: &mut Out) {
+    let Rows {
+        listed,
+        surfaces,
+        drawn,
+        lit,
+        ..
+    } = rows;
+    let n = listed.len;
+    for i in (0..padded(n)).step_by(LANES) {
+        let (busy, at) = (first(n - i), load_u32(listed.index, i));
+        let front = as_mask(load_u32(surfaces.front, i));
+        let material = load_u32(surfaces.material, i);
+        let bsdf = K::load(
+            Parameters {
+                materials,
+                material,
+            },
+            front,
+        );
+        let throughput = Vec3x::gather_columns(listed.paths.throughput, at);
+        let path = listed.paths.identity(at);
+        let primitive = load_u32(surfaces.primitive, i);
+        let normal = Vec3x::load(surfaces.normal, i);
+        let frame = Frame::about(Vec3x::load(surfaces.shading, i));
+        let omega_o = Vec3x::load(surfaces.omega_o, i);
+
+        let [u, v, choice] = drawn.direction.map(|column| load(column, i));
+        let sampled = bsdf.sample(omega_o, [u, v, choice]);
+        let next = frame.to_world(sampled.direction);
+        let side = normal.dot(next);
+        let carried = sampled
+            .weight
+            .keep(sampled.valid & agree(side, sampled.direction.z));
+        let clearance = load(surfaces.clearance, i);
+        let origin = normal.scale_add(clearance.copysign(side), Vec3x::load(surfaces.point, i));
+        let to = out.path_len + i;
+        let p = &mut out.paths;
+        origin.store(&mut p.origin, to);
+        next.store(&mut p.direction, to);
+        throughput.product(carried).store(&mut p.throughput, to);
+        store(p.pdf, to, sampled.pdf);
+        store_u32(p.leaves, to, primitive);
+        store_u32(p.slot, to, path.slot);
+        store_u32(p.pixel, to, path.pixel);
+        store_u32(p.sample, to, path.sample);
+        let mark = if K::PASSES { BOTH_SIDES } else { 0 };
+        store_u32(p.bounces, to, (path.bounces + Ux::ONE) | Ux::splat(mark));
+
+        if N::LIGHTS && !K::DELTA {
+            let direction = Vec3x::load(lit.direction, i);
+            let omega_i = frame.to_local(direction);
+            let response = bsdf.evaluate(omega_o, omega_i);
+            let weight = if N::WEIGHTED {
+                power_heuristic(load(lit.pdf, i), response.pdf)
+            } else {
+                Fx::ONE
+            };
+            let radiance = throughput
+                .product(response.value)
+                .product(Vec3x::load(lit.radiance, i))
+                * weight;
+            let reached = load_u32(lit.primitive, i);
+            let carries = busy
+                & agree(normal.dot(direction), omega_i.z)
+                & !as_mask(reached.simd_eq(primitive))
+                & radiance.max_component().simd_gt(Fx::ZERO);
+            let kept = Kept::new(carries);
+            let to = out.shadow_len;
+            let s = &mut out.shadows;
+            kept.store3(&mut s.origin, to, Vec3x::load(lit.origin, i));
+            kept.store3(&mut s.direction, to, Vec3x::load(lit.segment, i));
+            kept.store(s.t_max, to, load(lit.t_max, i));
+            kept.store3(&mut s.radiance, to, radiance);
+            kept.store_u32(s.leaves, to, primitive);
+            kept.store_u32(s.reaches, to, reached);
+            kept.store_u32(s.slot, to, path.slot);
+            kept.store_u32(s.bounces, to, path.bounces);
+            out.shadow_len += kept.count;
+        }
+    }
+    out.path_len += n;
+}
+
+/// Whether both cosines lie on the same side of 0.
+#[inline(always)]
+fn agree(geometric: Fx, shading: Fx) -> Mask {
+    (geometric * shading).simd_gt(Fx::ZERO)
+}

@@ -1,0 +1,217 @@
+//! Effects: what a compiled scene calls for, and why.
+//!
+//! The wave is assembled from this: a stage, a queue or a kernel that no effect asks for is not
+//! there.
+
+use crate::scene::{Bsdf, Light, Material, Projection, Scene, Sky};
+use crate::settings::{Integrator, Settings, Strategy};
+use serde::Serialize;
+
+/// One effect.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Effect {
+    /// Its name.
+    pub name: &'static str,
+    /// What asks for it: a material, a light, the camera or a setting.
+    pub reason: String,
+}
+
+/// What scatters at a surface: each has a kernel of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Shader {
+    /// Lambertian, flat and of one colour: one pass from hit to scattered path.
+    Plain,
+    /// Lambertian otherwise.
+    Diffuse,
+    /// Rough diffuse.
+    RoughDiffuse,
+}
+
+impl Shader {
+    /// All there are, in the order in which they run.
+    pub const ALL: [Self; 3] = [Self::Plain, Self::Diffuse, Self::RoughDiffuse];
+
+    /// The effect's name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "plain diffuse",
+            Self::Diffuse => "diffuse",
+            Self::RoughDiffuse => "rough diffuse",
+        }
+    }
+
+    /// Whether light can only be found by following its directions.
+    #[must_use]
+    pub fn is_delta(self) -> bool {
+        match self {
+            Self::Plain | Self::Diffuse | Self::RoughDiffuse => false,
+        }
+    }
+
+    /// Whether light passes through.
+    #[must_use]
+    pub fn passes(self) -> bool {
+        match self {
+            Self::Plain | Self::Diffuse | Self::RoughDiffuse => false,
+        }
+    }
+
+    /// The shader of a material that is no mixture; `smooth` if a surface that wears it has
+    /// interpolated normals.
+    fn of(material: &Material, smooth: bool) -> Self {
+        match &material.bsdf {
+            Bsdf::Diffuse { roughness, .. } if *roughness > 0.0 => Self::RoughDiffuse,
+            Bsdf::Diffuse { reflectance, .. } => {
+                let bent = smooth || material.normal_map.is_some();
+                if bent || reflectance.texture.is_some() {
+                    Self::Diffuse
+                } else {
+                    Self::Plain
+                }
+            }
+            _ => Self::Diffuse,
+        }
+    }
+}
+
+/// The effects that a scene calls for under some settings.
+#[derive(Clone, Debug, Default)]
+pub struct Effects {
+    /// In the order of the wave's stages.
+    pub list: Vec<Effect>,
+    /// By material: what scatters there. Materials that no surface wears call for nothing and count as
+    /// plain.
+    pub shaders: Vec<Shader>,
+    /// Whether light comes from all around, or from discs at no distance.
+    pub sky: bool,
+    /// Whether surfaces emit.
+    pub emission: bool,
+}
+
+impl Effects {
+    /// What `scene` calls for under `settings`.
+    #[must_use]
+    pub fn of(scene: &Scene, settings: &Settings) -> Self {
+        let mut effects = Self::default();
+        let transport = matches!(
+            settings.integrator,
+            Integrator::Path | Integrator::Direct | Integrator::Reference
+        );
+        effects.camera(scene);
+        effects.light(scene);
+        effects.surfaces(scene, transport);
+        if transport && settings.roulette {
+            effects.add("roulette", "setting `roulette`");
+        }
+        let samples_lights = matches!(settings.strategy, Strategy::Light | Strategy::Mis);
+        if transport && samples_lights && (effects.sky || effects.emission) {
+            effects.add("next-event estimation", "setting `strategy`");
+        } else if let Some(light) = scene.lights.iter().find(|l| l.kind.is_delta()) {
+            if transport {
+                effects.add("next-event estimation", light_of(light));
+            }
+        }
+        effects
+    }
+
+    fn add(&mut self, name: &'static str, reason: impl Into<String>) {
+        self.list.push(Effect {
+            name,
+            reason: reason.into(),
+        });
+    }
+
+    fn camera(&mut self, scene: &Scene) {
+        if let Projection::Perspective {
+            lens: Some(lens), ..
+        } = scene.camera.projection
+        {
+            self.add(
+                "depth of field",
+                format!("the camera's lens of radius {}", lens.radius),
+            );
+        }
+    }
+
+    fn light(&mut self, scene: &Scene) {
+        if let Some(sky) = scene.sky.as_ref().filter(|sky| sky.shines()) {
+            self.sky = true;
+            let name = match sky {
+                Sky::Gradient { .. } => "sky",
+                Sky::Map(_) => "environment map",
+            };
+            self.add(name, "the scene's `sky`");
+        }
+        let (delta, discs): (Vec<_>, Vec<_>) = scene.lights.iter().partition(|l| l.kind.is_delta());
+        if let Some(disc) = discs.first() {
+            self.sky = true;
+            self.add("discs in the sky", light_of(disc));
+        }
+        if let Some(delta) = delta.first() {
+            self.add("delta lights", light_of(delta));
+        }
+        let emits = |m: &&Material| m.emits();
+        let worn = worn(scene);
+        let mut emitting = scene.materials.iter().zip(&worn).filter(|(_, w)| **w);
+        if let Some((m, _)) = emitting.find(|(m, _)| emits(m)) {
+            self.emission = true;
+            self.add("emissive triangles", material(m));
+        }
+    }
+
+    fn surfaces(&mut self, scene: &Scene, transport: bool) {
+        let worn = worn(scene);
+        let smooth = smooth(scene);
+        self.shaders = (0..scene.materials.len())
+            .map(|i| match (transport, worn[i]) {
+                (true, true) => Shader::of(&scene.materials[i], smooth[i]),
+                _ => Shader::Plain,
+            })
+            .collect();
+        for shader in Shader::ALL {
+            let calls = |i: &usize| worn[*i] && self.shaders[*i] == shader;
+            if let Some(i) = (0..worn.len()).find(calls) {
+                let reason = material(&scene.materials[i]);
+                self.add(shader.name(), reason);
+            }
+        }
+        if let Some(i) = smooth.iter().position(|&s| s).filter(|_| transport) {
+            self.add("shading normals", material(&scene.materials[i]));
+        }
+    }
+}
+
+fn light_of(light: &Light) -> String {
+    format!("light `{}`", light.name)
+}
+
+fn material(material: &Material) -> String {
+    match material.name.as_str() {
+        "" => "a material without a name".to_owned(),
+        name => format!("material `{name}`"),
+    }
+}
+
+/// By material: whether any surface wears it.
+fn worn(scene: &Scene) -> Vec<bool> {
+    let mut worn = vec![false; scene.materials.len()];
+    for &m in &scene.mesh.material {
+        worn[m as usize] = true;
+    }
+    worn
+}
+
+/// By material: whether a surface that wears it has interpolated normals.
+fn smooth(scene: &Scene) -> Vec<bool> {
+    let mesh = &scene.mesh;
+    let mut smooth = vec![false; scene.materials.len()];
+    for (triangle, &m) in mesh.indices.iter().zip(&mesh.material) {
+        let has = |&v: &u32| {
+            let normal = mesh.normals.get(v as usize);
+            normal.is_some_and(|&n| n != crate::scene::Mesh::NO_NORMAL)
+        };
+        smooth[m as usize] |= triangle.iter().all(has);
+    }
+    smooth
+}

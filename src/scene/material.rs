@@ -1,0 +1,313 @@
+//! Materials as a compiled scene holds them: what a surface does with light, in the units of the
+//! scene format (`docs/scene-format.md`), with references to textures by index.
+
+/// A number or colour that may vary over a surface: `factor` times the texel, component by
+/// component; `factor` alone without a texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Textured<T> {
+    /// The value without a texture, or what its texels are multiplied with.
+    pub factor: T,
+    /// What varies it.
+    pub texture: Option<TextureUse>,
+}
+
+impl<T> Textured<T> {
+    /// The same everywhere.
+    pub const fn constant(factor: T) -> Self {
+        Self {
+            factor,
+            texture: None,
+        }
+    }
+}
+
+impl<T> From<T> for Textured<T> {
+    fn from(factor: T) -> Self {
+        Self::constant(factor)
+    }
+}
+
+/// How a material reads a texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureUse {
+    /// Index into [`super::Scene::textures`].
+    pub texture: u32,
+    /// Which of the texel's channels: a colour takes [`Channel::Colour`], a number one of the
+    /// others.
+    pub channel: Channel,
+    /// From the surface's (u, v) to the texture's: rows of an affine transformation,
+    /// `u' = uv[0][0] u + uv[0][1] v + uv[0][2]`. The texture's (0, 0) is the lower left corner of
+    /// the image and (1, 1) the upper right.
+    pub uv: [[f32; 3]; 2],
+    /// What lies beyond the image, across and up.
+    pub wrap: [Wrap; 2],
+    /// What lies between texels.
+    pub filter: TexelFilter,
+}
+
+impl TextureUse {
+    /// The (u, v) of the surface as they are.
+    pub const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+}
+
+/// Which channels of a texel are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// Red, green and blue.
+    Colour,
+    /// Red; of a grey image, its grey.
+    Red,
+    /// Green; of a grey image, its grey.
+    Green,
+    /// Blue; of a grey image, its grey.
+    Blue,
+    /// Opacity; 1 where the image has none.
+    Alpha,
+}
+
+/// What lies beyond the edges of an image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The image again.
+    #[default]
+    Repeat,
+    /// The image again, every other one mirrored.
+    Mirror,
+    /// Its outermost texels.
+    Clamp,
+}
+
+/// What lies between texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TexelFilter {
+    /// A linear mixture of the four around, and of two mip levels.
+    #[default]
+    Linear,
+    /// The nearest texel of the whole image, without mip levels.
+    Nearest,
+}
+
+/// A surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Its name in the scene file or MTL.
+    pub name: String,
+    /// What it does with light that meets it.
+    pub bsdf: Bsdf,
+    /// Emitted radiance, W/m^2/sr, each channel finite and >= 0; black: no light.
+    pub emission: Textured<[f32; 3]>,
+    /// Whether it emits from the back too.
+    pub two_sided: bool,
+    /// Where it is not there at all.
+    pub alpha: Option<AlphaMask>,
+    /// What bends its shading normal.
+    pub normal_map: Option<NormalMap>,
+}
+
+/// Cuts holes: a surface is there where `alpha >= cutoff`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AlphaMask {
+    /// Opacity, 0..=1.
+    pub alpha: Textured<f32>,
+    /// In 0..=1.
+    pub cutoff: f32,
+}
+
+/// A shading normal that varies over the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalMap {
+    /// The texture.
+    pub texture: TextureUse,
+    /// What its texels are.
+    pub kind: Relief,
+    /// Normals: what x and y are multiplied with before the normal is made of unit length. Bump:
+    /// scene units of height that a texel of 1 stands for.
+    pub strength: f32,
+}
+
+/// What the texels of a [`NormalMap`] are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Relief {
+    /// Normals in the frame of u, v and the surface's normal, each component from -1 to 1 stored as
+    /// 0 to 1; +y is the direction of rising v (as glTF and OpenGL, not as DirectX).
+    Normals,
+    /// Heights.
+    Bump,
+}
+
+/// Scattering at a surface. All kinds but [`Bsdf::Dielectric`] and the transmissive part of
+/// [`Bsdf::Principled`] are alike on both sides.
+///
+/// A `roughness` is perceptual, as in glTF: the microfacet distribution's alpha is its square.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Bsdf {
+    /// Rough diffuse reflection; Lambertian at roughness 0.
+    Diffuse {
+        /// Share of light that is reflected, each channel in 0..=1.
+        reflectance: Textured<[f32; 3]>,
+        /// In 0..=1. Here it is the model's own, not squared.
+        roughness: f32,
+    },
+    /// A metal.
+    Conductor {
+        /// Real part of the index of refraction, > 0.
+        eta: [f32; 3],
+        /// Its imaginary part, the absorption, >= 0.
+        k: [f32; 3],
+        /// What the Fresnel reflectance is multiplied with, each channel in 0..=1.
+        tint: Textured<[f32; 3]>,
+        /// In 0..=1.
+        roughness: Textured<f32>,
+        /// In -1..=1: alpha is `roughness^2 * (1 + anisotropy)` along u, `* (1 - anisotropy)` along
+        /// v (C. Kulla, A. Conty, "Revisiting Physically Based Shading at Imageworks", 2017).
+        anisotropy: f32,
+    },
+    /// Glass, water: reflects and refracts. The outside is the side of the front.
+    Dielectric(Box<Dielectric>),
+    /// The glTF 2.0 metallic-roughness model with its extensions.
+    Principled(Box<Principled>),
+    /// A share of light meets one material, the rest another.
+    Mix {
+        /// Material index of which `1 - amount` is taken.
+        first: u32,
+        /// Material index of which `amount` is taken.
+        second: u32,
+        /// In 0..=1.
+        amount: Textured<f32>,
+    },
+}
+
+/// See [`Bsdf::Dielectric`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Dielectric {
+    /// Index of refraction of the inside over that of the outside, > 0; at the sodium D line
+    /// (589.3 nm) where it varies.
+    pub ior: f32,
+    /// In 0..=1.
+    pub roughness: Textured<f32>,
+    /// Whether it is a pane without thickness: what enters leaves at once, in its old direction.
+    pub thin: bool,
+    /// What reflected light is multiplied with, each channel in 0..=1.
+    pub reflection_tint: Textured<[f32; 3]>,
+    /// What transmitted light is multiplied with at each passage, each channel in 0..=1.
+    pub transmission_tint: Textured<[f32; 3]>,
+    /// Abbe number, > 0: how little `ior` varies over the spectrum, `(n_D - 1) / (n_F - n_C)`. None:
+    /// not at all.
+    pub abbe: Option<f32>,
+    /// Name of the medium inside.
+    pub interior: Option<String>,
+}
+
+/// See [`Bsdf::Principled`]. The members are those of glTF 2.0 and the extensions KHR_materials_ior,
+/// specular, transmission, clearcoat and sheen; emissive strength is part of
+/// [`Material::emission`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Principled {
+    /// Diffuse reflectance of the dielectric, reflectance at normal incidence of the metal; 0..=1.
+    pub base_color: Textured<[f32; 3]>,
+    /// 0: dielectric, 1: metal.
+    pub metallic: Textured<f32>,
+    /// In 0..=1.
+    pub roughness: Textured<f32>,
+    /// Index of refraction of the dielectric, >= 1.
+    pub ior: f32,
+    /// Strength of the dielectric's reflection, 0..=1.
+    pub specular: Textured<f32>,
+    /// Colour of the dielectric's reflection at normal incidence, >= 0.
+    pub specular_color: Textured<[f32; 3]>,
+    /// Share of light that is refracted instead of scattered diffusely, 0..=1.
+    pub transmission: Textured<f32>,
+    /// Whether what is refracted leaves at once, as through a pane.
+    pub thin: bool,
+    /// Strength of the clear coat, 0..=1.
+    pub clearcoat: Textured<f32>,
+    /// Its roughness, 0..=1.
+    pub clearcoat_roughness: Textured<f32>,
+    /// Colour of the sheen, 0..=1.
+    pub sheen_color: Textured<[f32; 3]>,
+    /// Its roughness, 0..=1.
+    pub sheen_roughness: Textured<f32>,
+}
+
+impl Default for Principled {
+    /// glTF's defaults, but for a roughness of 0.5 and no metal.
+    fn default() -> Self {
+        Self {
+            base_color: [1.0; 3].into(),
+            metallic: 0.0.into(),
+            roughness: 0.5.into(),
+            ior: 1.5,
+            specular: 1.0.into(),
+            specular_color: [1.0; 3].into(),
+            transmission: 0.0.into(),
+            thin: false,
+            clearcoat: 0.0.into(),
+            clearcoat_roughness: 0.0.into(),
+            sheen_color: [0.0; 3].into(),
+            sheen_roughness: 0.0.into(),
+        }
+    }
+}
+
+impl Default for Dielectric {
+    /// Clear, smooth glass.
+    fn default() -> Self {
+        Self {
+            ior: 1.5,
+            roughness: 0.0.into(),
+            thin: false,
+            reflection_tint: [1.0; 3].into(),
+            transmission_tint: [1.0; 3].into(),
+            abbe: None,
+            interior: None,
+        }
+    }
+}
+
+impl Material {
+    /// A Lambertian surface that emits `emission` to its front.
+    pub fn diffuse(name: impl Into<String>, reflectance: [f32; 3], emission: [f32; 3]) -> Self {
+        Self {
+            name: name.into(),
+            bsdf: Bsdf::Diffuse {
+                reflectance: reflectance.into(),
+                roughness: 0.0,
+            },
+            emission: emission.into(),
+            two_sided: false,
+            alpha: None,
+            normal_map: None,
+        }
+    }
+
+    /// Whether it emits at all.
+    #[must_use]
+    pub fn emits(&self) -> bool {
+        self.emission.factor.iter().any(|&c| c > 0.0)
+    }
+
+    /// Its colour in one word, textures apart: the diffuse reflectance; of a metal, what it reflects
+    /// at normal incidence; of glass, the tint of what passes. `materials` are those of the scene.
+    #[must_use]
+    pub fn albedo(&self, materials: &[Self]) -> [f32; 3] {
+        match &self.bsdf {
+            Bsdf::Diffuse { reflectance, .. } => reflectance.factor,
+            Bsdf::Conductor { eta, k, tint, .. } => std::array::from_fn(|c| {
+                let (n, k2) = (eta[c], k[c] * k[c]);
+                let (below, above) = (n - 1.0, n + 1.0);
+                tint.factor[c] * (below * below + k2) / (above * above + k2)
+            }),
+            Bsdf::Dielectric(glass) => glass.transmission_tint.factor,
+            Bsdf::Principled(p) => p.base_color.factor,
+            Bsdf::Mix {
+                first,
+                second,
+                amount,
+            } => {
+                // No mixture holds itself: the recursion ends.
+                let [a, b] = [first, second].map(|&i| materials[i as usize].albedo(materials));
+                std::array::from_fn(|c| a[c] + amount.factor * (b[c] - a[c]))
+            }
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! The stages of the loop: each runs its kernel over the wave's queues and books what it did.
+
+use super::account::Stage;
+use super::generate::Source;
+use super::tally::Tally;
+use super::{Wave, intersect, roulette, shade, sort};
+use crate::effects::Shader;
+use crate::film::{Job, SampleBuffer};
+use huygens_kernels::emission::{SKY, SURFACE, UNOCCLUDED};
+use huygens_kernels::queues::PathsMut;
+use huygens_kernels::rays::{CLOSEST, OCCLUSION};
+use huygens_kernels::scatter::interact::INTERACT;
+use huygens_kernels::scatter::light_up::LIGHT_UP;
+use huygens_kernels::scatter::{Out, plain, respond};
+use huygens_kernels::traffic::{Traffic, item};
+use huygens_kernels::{camera, roulette as roulette_kernel};
+
+impl Wave<'_> {
+    pub(super) fn generate(&mut self, source: &mut Source) {
+        let setup = self.setup;
+        let new = source.refill(&setup.lens, setup.sampler, &mut self.paths);
+        if new > 0 {
+            let mut out = Tally::default();
+            out.add(0, new);
+            let traffic = camera::TRAFFIC * new;
+            let nothing = Tally::default();
+            self.account.book(Stage::Generate, &nothing, &out, traffic);
+        }
+    }
+
+    pub(super) fn intersect(&mut self, job: &Job) {
+        let account = &mut self.account;
+        intersect::intersect(
+            self.setup.geometry,
+            &mut self.paths,
+            &mut self.hits,
+            |slot| {
+                account.lose_ray(Stage::Intersect.name(), job.sample_of(slot));
+            },
+        );
+        let n = self.paths.len();
+        let traced = Tally::of(&self.paths.view().bounces[..n], 0);
+        account.book(Stage::Intersect, &traced, &traced, CLOSEST * n);
+    }
+
+    pub(super) fn sort(&mut self) {
+        let (setup, n) = (self.setup, self.paths.len());
+        let (paths, hits) = (self.paths.view(), self.hits.view());
+        let material = setup.tables.triangles.material;
+        self.lists
+            .sort(n, paths, hits, material, &setup.routes, setup.wanted);
+        let listed = self.lists.tally();
+        let traffic = sort::READ * n + sort::WRITTEN * listed.total();
+        let sorted = Tally::of(&paths.bounces[..n], 0);
+        self.account.book(Stage::Sort, &sorted, &listed, traffic);
+    }
+
+    /// Adds the light that paths find by themselves.
+    pub(super) fn emit(&mut self, job: &Job, samples: &mut SampleBuffer) {
+        let (program, tables) = (self.setup.program, &self.setup.tables);
+        let (paths, hits) = (self.paths.view(), self.hits.view());
+        let account = &mut self.account;
+        let nothing = Tally::default();
+        let list = &self.lists.sky;
+        if list.len() > 0 {
+            shade::sky(program, list.of(paths, hits), tables, samples, |slot| {
+                account.drop_sample(Stage::Sky.name(), job.sample_of(slot));
+            });
+            account.book(Stage::Sky, &list.tally, &nothing, SKY * list.len());
+        }
+        let list = &self.lists.emission;
+        if list.len() > 0 {
+            shade::emission(program, list.of(paths, hits), tables, samples, |slot| {
+                account.drop_sample(Stage::Emission.name(), job.sample_of(slot));
+            });
+            let traffic = SURFACE * list.len();
+            account.book(Stage::Emission, &list.tally, &nothing, traffic);
+        }
+    }
+
+    /// Scatters paths and casts occlusion rays, one shader after the other.
+    pub(super) fn scatter(&mut self, job: &Job, samples: &mut SampleBuffer) {
+        let setup = self.setup;
+        let (program, tables, sampler) = (setup.program, &setup.tables, setup.sampler);
+        let (paths, hits) = (self.paths.view(), self.hits.view());
+        let account = &mut self.account;
+        let mut out = Out {
+            paths: self.scattered.view_mut(),
+            path_len: 0,
+            shadows: self.shadows.view_mut(),
+            shadow_len: 0,
+        };
+        for (&shader, list) in setup.shaders.iter().zip(&self.lists.scatter) {
+            if list.len() == 0 {
+                continue;
+            }
+            let (stage, listed, tally) =
+                (Stage::Scatter(shader), list.of(paths, hits), &list.tally);
+            let before = (out.path_len, out.shadow_len);
+            let traffic = match &mut self.surfaces {
+                Some(surfaces) if shader != Shader::Plain => {
+                    surfaces.interact(listed, tables, sampler);
+                    account.book(Stage::Interact, tally, tally, INTERACT * list.len());
+                    if setup.lights(shader) {
+                        surfaces.light_up(shader, tables);
+                        account.book(Stage::Light, tally, tally, LIGHT_UP * list.len());
+                    }
+                    surfaces.respond(program, shader, listed, tables, &mut out);
+                    [respond::PATH, respond::SHADOW]
+                }
+                _ => {
+                    shade::plain(
+                        program,
+                        listed,
+                        tables,
+                        sampler,
+                        &mut out,
+                        samples,
+                        |slot| {
+                            account.drop_sample(stage.name(), job.sample_of(slot));
+                        },
+                    );
+                    [plain::SCATTER, plain::SHADOW]
+                }
+            };
+            let on = Tally::of(&out.paths.bounces[before.0..out.path_len], 0);
+            let cast = Tally::of(&out.shadows.bounces[before.1..out.shadow_len], 0);
+            let traffic = traffic[0] * on.total() + traffic[1] * cast.total();
+            account.book(stage, tally, &on.plus(&cast), traffic);
+        }
+        let (on, cast) = (out.path_len, out.shadow_len);
+        self.scattered.set_len(on);
+        self.shadows.set_len(cast);
+    }
+
+    pub(super) fn occlude(&mut self, job: &Job, samples: &mut SampleBuffer) {
+        let n = self.shadows.len();
+        if n == 0 {
+            return;
+        }
+        let account = &mut self.account;
+        let mut lost = Vec::new();
+        intersect::occlude(
+            self.setup.geometry,
+            &mut self.shadows,
+            &mut self.occlusion,
+            samples,
+            |slot| lost.push(slot),
+            |slot| account.drop_sample(Stage::Occlude.name(), job.sample_of(slot)),
+        );
+        for slot in lost {
+            account.lose_ray(Stage::Occlude.name(), job.sample_of(slot));
+        }
+        let cast = Tally::of(&self.shadows.view().bounces[..n], 0);
+        let traffic = (OCCLUSION + UNOCCLUDED) * n;
+        account.book(Stage::Occlude, &cast, &Tally::default(), traffic);
+    }
+
+    pub(super) fn roulette(&mut self, job: &Job) {
+        let (setup, account) = (self.setup, &mut self.account);
+        let scattered = &mut self.scattered;
+        roulette::run(
+            setup.rules,
+            setup.sampler,
+            scattered,
+            &mut self.kept,
+            &mut self.paths,
+            |slot| account.drop_sample(Stage::Roulette.name(), job.sample_of(slot)),
+        );
+        let (n, survivors) = (self.scattered.len(), self.paths.len());
+        if n == 0 {
+            return;
+        }
+        let on = Tally::of(&self.scattered.view().bounces[..n], 0);
+        let left = Tally::of(&self.paths.view().bounces[..survivors], 0);
+        let moved = item::<PathsMut<'static>>();
+        let traffic = (roulette_kernel::TRAFFIC + Traffic::new(moved, 0)) * n
+            + Traffic::new(0, moved) * survivors;
+        account.book(Stage::Roulette, &on, &left, traffic);
+    }
+
+    pub(super) fn commit(&mut self, samples: usize, left_out: &[(u32, u32, u32)]) {
+        for &at in left_out {
+            self.account.drop_sample("film", at);
+        }
+        let mut tally = Tally::default();
+        tally.add(0, samples);
+        let traffic = SampleBuffer::TRAFFIC * samples;
+        self.account
+            .book(Stage::Film, &tally, &Tally::default(), traffic);
+    }
+}

@@ -1,0 +1,95 @@
+//! Surfaces that are more than plain diffuse ones: interact, light, respond.
+//!
+//! In: an index list of one shader. Out: scattered paths and occlusion rays, behind those of the
+//! lists before. The queues between the three passes are used by one list after the other, so that
+//! what a pass writes is still in the cache when the next one reads it; a render without such surfaces
+//! has none of them.
+
+use super::plan::QueuePlan;
+use super::queue::Queue;
+use super::sampling::{AnySampler, with_sampler};
+use super::shade::Program;
+use crate::effects::Shader;
+use huygens_kernels::queues::{DrawnMut, Listed, LitMut, SurfacesMut};
+use huygens_kernels::scatter::interact::interact;
+use huygens_kernels::scatter::kinds;
+use huygens_kernels::scatter::light_up::light_up;
+use huygens_kernels::scatter::respond::{Kind, Rows, respond};
+use huygens_kernels::scatter::{LightsAlone, LightsWeighted, NoLights, Out};
+use huygens_kernels::tables::Tables;
+
+/// The queues between the passes.
+pub(crate) struct Surfaces {
+    surfaces: Queue<SurfacesMut<'static>>,
+    drawn: Queue<DrawnMut<'static>>,
+    /// Of no capacity where lights are not sampled.
+    lit: Queue<LitMut<'static>>,
+}
+
+impl Surfaces {
+    pub(crate) fn new(capacity: usize, lights: bool) -> Self {
+        Self {
+            surfaces: Queue::new(capacity),
+            drawn: Queue::new(capacity),
+            lit: Queue::new(if lights { capacity } else { 0 }),
+        }
+    }
+
+    /// Its queues, as they are.
+    pub(crate) fn queues(&self) -> impl Iterator<Item = QueuePlan> {
+        let surfaces = QueuePlan::of("surfaces", &self.surfaces);
+        let drawn = QueuePlan::of("drawn numbers", &self.drawn);
+        let lit = QueuePlan::of("light samples", &self.lit);
+        [surfaces, drawn, lit].into_iter().flatten()
+    }
+
+    /// What the listed paths met.
+    pub(crate) fn interact(&mut self, listed: Listed, tables: &Tables, sampler: AnySampler) {
+        let (surfaces, drawn) = (self.surfaces.view_mut(), self.drawn.view_mut());
+        with_sampler!(sampler, s => interact(listed, tables, s, surfaces, drawn));
+        self.surfaces.set_len(listed.len);
+        self.drawn.set_len(listed.len);
+    }
+
+    /// One sample of the light around each.
+    pub(crate) fn light_up(&mut self, shader: Shader, tables: &Tables) {
+        let n = self.surfaces.len();
+        let (surfaces, drawn) = (self.surfaces.view(), self.drawn.view());
+        let passes = shader.passes();
+        light_up(n, surfaces, drawn, tables, passes, self.lit.view_mut());
+        self.lit.set_len(n);
+    }
+
+    /// What the BSDF makes of both.
+    pub(crate) fn respond(
+        &self,
+        program: Program,
+        shader: Shader,
+        listed: Listed,
+        tables: &Tables,
+        out: &mut Out,
+    ) {
+        let rows = Rows {
+            listed,
+            surfaces: self.surfaces.view(),
+            drawn: self.drawn.view(),
+            lit: self.lit.view(),
+        };
+        match shader {
+            Shader::Plain => unreachable!("plain surfaces have a pass of their own"),
+            Shader::Diffuse => with::<kinds::Diffuse>(program, rows, tables, out),
+            Shader::RoughDiffuse => with::<kinds::RoughDiffuse>(program, rows, tables, out),
+        }
+    }
+}
+
+fn with<K: Kind>(program: Program, rows: Rows, tables: &Tables, out: &mut Out) {
+    let materials = &tables.materials;
+    match program {
+        Program::Mis => respond::<K, LightsWeighted>(rows, materials, out),
+        Program::Light | Program::Blind { delta: true, .. } => {
+            respond::<K, LightsAlone>(rows, materials, out);
+        }
+        _ => respond::<K, NoLights>(rows, materials, out),
+    }
+}

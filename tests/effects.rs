@@ -1,0 +1,156 @@
+//! A render runs what its scene calls for, and nothing else.
+
+mod common;
+
+use common::scenes;
+use huygens::film::Film;
+use huygens::geometry::Geometry;
+use huygens::scene::{Bsdf, Scene};
+use huygens::settings::{Settings, Strategy};
+use huygens::wave::{self, Control, Plan};
+
+fn plan(scene: &Scene, settings: &Settings) -> Plan {
+    wave::plan(scene, &Geometry::build(&scene.mesh), settings)
+}
+
+fn effects(plan: &Plan) -> Vec<&str> {
+    plan.effects.iter().map(|e| e.name).collect()
+}
+
+fn queues(plan: &Plan) -> Vec<(&str, Vec<&str>)> {
+    plan.queues
+        .iter()
+        .map(|q| (q.name, q.columns.clone()))
+        .collect()
+}
+
+/// Stages that did anything in a small render.
+fn ran(scene: &Scene, settings: &Settings) -> Vec<&'static str> {
+    let film = Film::new(scene.film.width, scene.film.height, 16);
+    let geometry = Geometry::build(&scene.mesh);
+    let stats = wave::render(scene, &geometry, settings, &film, &Control::default());
+    stats.stages.iter().map(|s| s.name).collect()
+}
+
+fn settings() -> Settings {
+    Settings {
+        spp: 4,
+        threads: 1,
+        ..Settings::default()
+    }
+}
+
+const PATHS: [&str; 9] = [
+    "origin",
+    "direction",
+    "throughput",
+    "pdf",
+    "leaves",
+    "slot",
+    "pixel",
+    "sample",
+    "bounces",
+];
+const SHADOWS: [&str; 8] = [
+    "origin",
+    "direction",
+    "t_max",
+    "leaves",
+    "reaches",
+    "radiance",
+    "slot",
+    "bounces",
+];
+
+#[test]
+fn a_diffuse_box_runs_and_holds_nothing_else() {
+    let scene = scenes::cornell_box(16);
+    let plan = plan(&scene, &settings());
+    assert_eq!(
+        effects(&plan),
+        [
+            "emissive triangles",
+            "plain diffuse",
+            "roulette",
+            "next-event estimation"
+        ]
+    );
+    let stages = [
+        "generate",
+        "intersect",
+        "sort",
+        "shade: emission",
+        "shade: surface",
+        "occlude",
+        "roulette",
+        "film",
+    ];
+    assert_eq!(plan.stages, stages);
+    assert_eq!(ran(&scene, &settings()), stages);
+    assert_eq!(
+        queues(&plan),
+        [
+            ("paths", PATHS.to_vec()),
+            ("hits", vec!["primitive", "t", "u", "v"]),
+            ("emission list", vec!["index"]),
+            ("shade: surface", vec!["index"]),
+            ("scattered", PATHS.to_vec()),
+            ("shadows", SHADOWS.to_vec()),
+            ("occlusion", vec!["occluded"]),
+        ]
+    );
+}
+
+#[test]
+fn without_light_samples_there_are_no_occlusion_rays() {
+    let scene = scenes::cornell_box(16);
+    let settings = Settings {
+        strategy: Strategy::Cosine,
+        ..settings()
+    };
+    let plan = plan(&scene, &settings);
+    assert!(!plan.stages.contains(&"occlude"));
+    assert!(
+        !queues(&plan)
+            .iter()
+            .any(|q| q.0 == "shadows" || q.0 == "occlusion")
+    );
+    assert_eq!(ran(&scene, &settings), plan.stages);
+}
+
+#[test]
+fn a_rough_wall_adds_its_own_stages_and_queues() {
+    let mut scene = scenes::cornell_box(16);
+    let before = plan(&scene, &settings());
+    if let Bsdf::Diffuse { roughness, .. } = &mut scene.materials[0].bsdf {
+        *roughness = 0.5;
+    }
+    let after = plan(&scene, &settings());
+    let added = |a: Vec<&str>, b: Vec<&str>| -> Vec<String> {
+        let new = a.into_iter().filter(|s| !b.contains(s));
+        new.map(str::to_owned).collect()
+    };
+    assert_eq!(added(effects(&after), effects(&before)), ["rough diffuse"]);
+    assert_eq!(
+        added(after.stages.clone(), before.stages.clone()),
+        ["interact", "sample lights", "shade: rough diffuse"]
+    );
+    let names =
+        |plan: &Plan| -> Vec<String> { plan.queues.iter().map(|q| q.name.to_owned()).collect() };
+    let new: Vec<String> = names(&after)
+        .into_iter()
+        .filter(|q| !names(&before).contains(q))
+        .collect();
+    assert_eq!(
+        new,
+        [
+            "shade: rough diffuse",
+            "surfaces",
+            "drawn numbers",
+            "light samples"
+        ]
+    );
+    assert_eq!(ran(&scene, &settings()), after.stages);
+    assert!(after.effects.iter().any(|e| e.name == "rough diffuse"
+        && e.reason == format!("material `{}`", scene.materials[0].name)));
+}
