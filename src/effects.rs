@@ -4,7 +4,7 @@
 //! there.
 
 use crate::scene::{Bsdf, Light, Material, Projection, Scene, Sky};
-use crate::settings::{Integrator, Settings, Strategy};
+use crate::settings::{Integrator, LightSelection, Settings, Strategy};
 use serde::Serialize;
 
 /// One effect.
@@ -105,8 +105,15 @@ impl Effects {
             effects.add("roulette", "setting `roulette`");
         }
         let samples_lights = matches!(settings.strategy, Strategy::Light | Strategy::Mis);
-        if transport && samples_lights && (effects.sky || effects.emission) {
+        let (selection, reason) = light_selection(scene, settings);
+        if transport
+            && samples_lights
+            && (effects.sky || effects.emission || !scene.lights.is_empty())
+        {
             effects.add("next-event estimation", "setting `strategy`");
+            if selection == LightSelection::Tree {
+                effects.add("light tree", reason);
+            }
         } else if let Some(light) = scene.lights.iter().find(|l| l.kind.is_delta()) {
             if transport {
                 effects.add("next-event estimation", light_of(light));
@@ -179,6 +186,39 @@ impl Effects {
         if let Some(i) = smooth.iter().position(|&s| s).filter(|_| transport) {
             self.add("shading normals", material(&scene.materials[i]));
         }
+    }
+}
+
+/// The fewest lights at a finite distance for which a tree is worth its steps: see
+/// docs/performance.md.
+const MANY_LIGHTS: usize = 16;
+
+/// How a render chooses among lights, `auto` resolved, and why.
+#[must_use]
+pub fn light_selection(scene: &Scene, settings: &Settings) -> (LightSelection, String) {
+    let emits: Vec<bool> = scene.materials.iter().map(Material::emits).collect();
+    let triangles = scene.mesh.material.iter().filter(|&&m| emits[m as usize]);
+    let sampled = match settings.strategy {
+        Strategy::Light | Strategy::Mis => triangles.count(),
+        // Only what directions do not find.
+        Strategy::Uniform | Strategy::Cosine => 0,
+    };
+    let points = scene.lights.iter();
+    let near = sampled + points.filter(|l| l.kind.is_near()).count();
+    match settings.light_selection {
+        LightSelection::Auto if near >= MANY_LIGHTS => (
+            LightSelection::Tree,
+            format!("{near} lights at a finite distance"),
+        ),
+        LightSelection::Auto => (
+            LightSelection::Power,
+            format!("fewer than {MANY_LIGHTS} lights at a finite distance"),
+        ),
+        LightSelection::Tree if near == 0 => (
+            LightSelection::Power,
+            "no light at a finite distance".to_owned(),
+        ),
+        asked => (asked, "setting `light_selection`".to_owned()),
     }
 }
 

@@ -37,6 +37,21 @@ pub enum Strategy {
     Mis,
 }
 
+/// How next-event estimation chooses among the lights; none biases the image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum LightSelection {
+    /// Whichever should pay: `tree` for many lights at a finite distance, else `power`.
+    #[default]
+    Auto,
+    /// Each light, and each triangle of one, as often as any other.
+    Uniform,
+    /// By power.
+    Power,
+    /// By distance, orientation and intensity, along a tree over all lights at a finite distance.
+    Tree,
+}
+
 /// How the numbers that a path draws are spread over the samples of a pixel; none biases the image.
 /// The film's estimate of the variance is that of independent samples: see `film::Image::variance`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
@@ -68,7 +83,7 @@ pub enum Preset {
 
 /// Everything that a render needs besides scene, geometry and film.
 ///
-/// The image depends on `integrator`, `strategy`, `sampler`, `spp`, `max_depth`, `roulette`, `seed` and
+/// The image depends on `integrator`, `strategy`, `light_selection`, `sampler`, `spp`, `max_depth`, `roulette`, `seed` and
 /// `ao_distance`; never on `bvh`, `threads`, `wave` or `tile`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -76,6 +91,8 @@ pub struct Settings {
     pub integrator: Integrator,
     /// How a surface looks for light.
     pub strategy: Strategy,
+    /// How lights are chosen where they are sampled.
+    pub light_selection: LightSelection,
     /// Where the random numbers come from. The integrator `reference` has its own.
     pub sampler: Sampler,
     /// Samples a pixel, at least 1.
@@ -104,6 +121,7 @@ impl Default for Settings {
         Self {
             integrator: Integrator::Path,
             strategy: Strategy::Mis,
+            light_selection: LightSelection::Auto,
             sampler: Sampler::Sobol,
             spp: 64,
             max_depth: None,

@@ -77,6 +77,13 @@ fn cornell_box_is_the_measured_one() {
 }
 
 #[test]
+fn many_lights_are_a_thousand() {
+    let scene = load("many-lights.toml");
+    let emits = |&i: &usize| scene.materials[scene.mesh.material[i] as usize].emits();
+    assert_eq!((0..scene.mesh.triangles()).filter(emits).count(), 1000);
+}
+
+#[test]
 fn furnace_is_closed_and_faces_inwards() {
     let scene = load("furnace.toml");
     assert_eq!(scene.mesh.triangles(), 12);

@@ -45,10 +45,12 @@ pub const UNOCCLUDED: Traffic = Traffic::new(
     SAMPLE.written as usize,
 );
 
-/// What found emission weighs: with `MIS`, the power heuristic's share; else everything.
+/// What found emission weighs: with `MIS`, the power heuristic's share; else everything, whatever
+/// the light's pdf.
 #[inline(always)]
-fn weigh<const MIS: bool>(pdf: Fx, light_pdf: Fx) -> Fx {
+fn weigh<const MIS: bool>(pdf: Fx, light_pdf: impl FnOnce() -> Fx) -> Fx {
     if MIS {
+        let light_pdf = light_pdf();
         // Not left to the heuristic: a light seen along its plane has an infinite pdf too.
         let alone = pdf.simd_eq(Fx::splat(f32::INFINITY));
         alone.select(Fx::ONE, power_heuristic(pdf, light_pdf))
@@ -72,7 +74,16 @@ pub fn surface_emission<const MIS: bool>(
         // The ray's direction is a unit vector, so the parameter is the distance.
         let t = gather(listed.hits.t, at);
         let from = Departure::of(&paths, at);
-        let light_pdf = triangle_pdf(tables, &from, surface.material, t, surface.cos_o);
+        let light_pdf = || {
+            triangle_pdf(
+                tables,
+                &from,
+                surface.primitive,
+                surface.material,
+                t,
+                surface.cos_o,
+            )
+        };
         let weight = weigh::<MIS>(gather(paths.pdf, at), light_pdf);
         let emitted = Vec3x::gather_columns(tables.materials.emission, surface.material);
         let value = Vec3x::gather_columns(paths.throughput, at).product(emitted) * weight;
@@ -94,7 +105,7 @@ pub fn sky_emission<const MIS: bool>(
         let pdf = gather(paths.pdf, at);
         let mut sky = Vec3x::splat([0.0; 3]);
         beyond(tables, &from, |radiance, light_pdf| {
-            sky += radiance * weigh::<MIS>(pdf, light_pdf);
+            sky += radiance * weigh::<MIS>(pdf, || light_pdf);
         });
         let value = Vec3x::gather_columns(paths.throughput, at).product(sky);
         let slot = gather_u32(paths.slot, at);

@@ -4,6 +4,9 @@
 //! for Generating Random Numbers with a Given Distribution", 1991): entry `i = floor(u0 n)` is kept
 //! where `u1 < keep[i]`, else replaced by `alias[i]`.
 //!
+//! Where there are many lights, all that are at a finite distance stand for one entry of that table, and
+//! a tree chooses among them (`tree`).
+//!
 //! *Point*: uniform over the triangle, `(u, v) = (1 - sqrt(u2), u3 sqrt(u2))` (G. Turk, "Generating
 //! Random Points in Triangles", *Graphics Gems*, 1990). Pdf in area measure: `selection / area`; by
 //! power, `selection = area * w / W`, so it is `w / W` whatever the triangle.
@@ -20,9 +23,11 @@
 
 mod environment;
 mod punctual;
+mod tree;
 
 pub use environment::{Environment, UNITS};
 pub use punctual::Punctual;
+pub use tree::{LEAF, NO_LIGHT, Node, Tree};
 
 use crate::hemisphere::{sample_sides, to_world, uniform_pdf};
 use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask, gather, gather_u32, to_f32, to_u32};
@@ -56,6 +61,8 @@ pub fn gradient(lights: &Lights, direction: Vec3x) -> Vec3x {
 pub const PUNCTUAL: u32 = 1 << 31;
 /// See [`PUNCTUAL`].
 pub const SKY: u32 = u32::MAX;
+/// See [`PUNCTUAL`]: some light of the tree.
+pub const TREE: u32 = u32::MAX - 1;
 
 /// The largest number below 1.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
@@ -63,19 +70,22 @@ const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 /// The bit mask of all lanes.
 const ALL: u32 = (1 << LANES) - 1;
 
-/// The light that `u0` and `u1` select, both in `[0, 1)`; with it, what is left of `u1`: a number
-/// in `[0, 1)` that does not depend on the light.
+/// The light that `u0` and `u1` select, both in `[0, 1)`; with it, what is left of either: numbers
+/// in `[0, 1)` that do not depend on the light.
 #[inline(always)]
 #[must_use]
-pub fn select_light(keep: &[f32], alias: &[u32], u0: Fx, u1: Fx) -> (Ux, Fx) {
+pub fn select_light(keep: &[f32], alias: &[u32], u0: Fx, u1: Fx) -> (Ux, [Fx; 2]) {
     let n = keep.len() as u32;
+    let place = u0 * to_f32(Ux::splat(n));
     // u0 n can round up to n.
-    let entry = to_u32(u0 * to_f32(Ux::splat(n))).min(Ux::splat(n - 1));
+    let entry = to_u32(place).min(Ux::splat(n - 1));
+    let below_one = Fx::splat(BELOW_ONE);
+    let fraction = (place - to_f32(entry)).fast_min(below_one);
     let keep = gather(keep, entry);
     let kept = u1.simd_lt(keep);
     let light = as_bits(kept).select(entry, gather_u32(alias, entry));
     let rest = kept.select(u1 / keep, (u1 - keep) / (Fx::ONE - keep));
-    (light, rest.fast_min(Fx::splat(BELOW_ONE)))
+    (light, [fraction, rest.fast_min(below_one)])
 }
 
 /// One sample of the light around each of `LANES` surfaces.
@@ -143,12 +153,31 @@ impl Departure {
 }
 
 /// The pdf in solid angle, selection included, with which [`sample_light`] would have found what
-/// rays found on triangles of `material`, at distance `t` under `cos_l` at the light.
+/// rays found on triangles `primitive` of `material`, at distance `t` under `cos_l` at the light.
 #[inline(always)]
 #[must_use]
-pub fn triangle_pdf(tables: &Tables, _from: &Departure, material: Ux, t: Fx, cos_l: Fx) -> Fx {
-    let area_pdf = gather(tables.materials.area_pdf, material);
+pub fn triangle_pdf(
+    tables: &Tables,
+    from: &Departure,
+    primitive: Ux,
+    material: Ux,
+    t: Fx,
+    cos_l: Fx,
+) -> Fx {
+    let area_pdf = match &tables.lights.tree {
+        Some(tree) => tree.probability(from.origin, primitive) * tree.inverse_area_of(primitive),
+        None => area_pdf_of(tables, primitive, material),
+    };
     area_to_solid_angle(area_pdf, t * t, cos_l)
+}
+
+/// Pdf per unit area of points on triangles, where no tree selects them.
+#[inline(always)]
+fn area_pdf_of(tables: &Tables, primitive: Ux, material: Ux) -> Fx {
+    match tables.lights.area_pdf {
+        [] => gather(tables.materials.area_pdf, material),
+        by_triangle => gather(by_triangle, primitive),
+    }
 }
 
 /// What rays that left the scene find: calls `found` with the radiance of each light there, and the
@@ -173,32 +202,47 @@ pub fn beyond(tables: &Tables, from: &Departure, mut found: impl FnMut(Vec3x, Fx
 #[must_use]
 pub fn sample_light(tables: &Tables, anchor: &Anchor, u: [Fx; 4]) -> LightSample {
     let lights = &tables.lights;
-    let (light, spare) = select_light(lights.keep, lights.alias, u[0], u[1]);
-    let source = gather_u32(lights.source, light);
+    let (light, [fraction, spare]) = select_light(lights.keep, lights.alias, u[0], u[1]);
+    let mut source = gather_u32(lights.source, light);
+    let mut picked = None;
+    if let Some(tree) = &lights.tree {
+        let in_tree = as_mask(source.simd_eq(Ux::splat(TREE)));
+        if in_tree.any() {
+            let (light, probability) = tree.sample(anchor.point, fraction, spare);
+            source = as_bits(in_tree).select(gather_u32(tree.source, light), source);
+            let area_pdf = probability * gather(tree.inverse_area, light);
+            picked = Some((in_tree, probability, area_pdf));
+        }
+    }
     let on_triangle = as_mask(source.simd_lt(Ux::splat(PUNCTUAL)));
     let triangles = on_triangle.to_bitmask();
-    if triangles == ALL {
-        return sample_triangle(tables, anchor, source, u[2], u[3]);
-    }
     let is_sky = as_mask(source.simd_eq(Ux::splat(SKY)));
     let sky = is_sky.to_bitmask();
     let mut sample = None;
     if sky != 0 {
         sample = Some(sample_sky(tables, anchor, u[2], u[3], spare));
     }
+    // Lanes of other kinds borrow some light of a kind, so that every look-up is in range.
     if sky | triangles != ALL {
-        // Lanes of other kinds borrow some light of this one, so that every look-up is in range.
         let own = !(is_sky | on_triangle);
         let k = as_bits(own) & source & Ux::splat(!PUNCTUAL);
-        let drawn = punctual::sample(lights.punctual, anchor, k, u[2], u[3]);
+        let mut drawn = punctual::sample(lights.punctual, anchor, k, u[2], u[3]);
+        if let Some((in_tree, probability, _)) = picked {
+            // Points and spots: lights of no extent, whose pdf is their probability.
+            drawn.pdf = in_tree.select(probability, drawn.pdf);
+            drawn.valid &= drawn.pdf.simd_gt(Fx::ZERO);
+        }
         sample = Some(merge(own, drawn, sample));
     }
     if triangles != 0 {
-        // Triangles come first.
-        let some = Ux::splat(lights.source[0]);
-        let primitive = as_bits(on_triangle).select(source, some);
-        let drawn = sample_triangle(tables, anchor, primitive, u[2], u[3]);
-        sample = Some(merge(on_triangle, drawn, sample));
+        let some = source.as_array()[triangles.trailing_zeros() as usize % LANES];
+        let primitive = as_bits(on_triangle).select(source, Ux::splat(some));
+        let area_pdf = picked.map(|(_, _, area_pdf)| area_pdf);
+        let drawn = sample_triangle(tables, anchor, primitive, area_pdf, u[2], u[3]);
+        sample = Some(match triangles {
+            ALL => drawn,
+            _ => merge(on_triangle, drawn, sample),
+        });
     }
     sample.expect("each lane's light is of some kind")
 }
@@ -221,7 +265,14 @@ fn merge(mask: Mask, a: LightSample, b: Option<LightSample>) -> LightSample {
 }
 
 #[inline(always)]
-fn sample_triangle(tables: &Tables, anchor: &Anchor, primitive: Ux, u: Fx, v: Fx) -> LightSample {
+fn sample_triangle(
+    tables: &Tables,
+    anchor: &Anchor,
+    primitive: Ux,
+    area_pdf: Option<Fx>,
+    u: Fx,
+    v: Fx,
+) -> LightSample {
     let corners = Corners::gather(&tables.triangles, primitive);
     let root = u.sqrt();
     let (p, s) = corners.point(Fx::ONE - root, v * root);
@@ -239,7 +290,8 @@ fn sample_triangle(tables: &Tables, anchor: &Anchor, primitive: Ux, u: Fx, v: Fx
     let material = gather_u32(tables.triangles.material, primitive);
     let materials = &tables.materials;
     let emits = front | as_mask(gather_u32(materials.two_sided, material));
-    let pdf = area_to_solid_angle(gather(materials.area_pdf, material), r2, cos_l);
+    let area_pdf = area_pdf.unwrap_or_else(|| area_pdf_of(tables, primitive, material));
+    let pdf = area_to_solid_angle(area_pdf, r2, cos_l);
     let valid = emits & cos_l.simd_gt(Fx::ZERO) & pdf.simd_gt(Fx::ZERO) & pdf.is_finite();
     LightSample {
         origin,

@@ -1,7 +1,7 @@
 //! The scene as kernels see it: slices of tables.
 
 use crate::lanes::{Fx, Ux, gather};
-use crate::light::{Environment, Punctual};
+use crate::light::{Environment, Punctual, Tree};
 use crate::vec3::{Columns, Vec3x};
 
 /// Most parameters that a kind of BSDF has.
@@ -57,6 +57,11 @@ pub struct Lights<'a> {
     pub source: &'a [u32],
     /// Lights of no area.
     pub punctual: &'a [Punctual],
+    /// Where a tree selects lights at a finite distance.
+    pub tree: Option<Tree<'a>>,
+    /// Pdf per unit area of points on each triangle; empty where that of its material holds or a tree
+    /// says it.
+    pub area_pdf: &'a [f32],
     /// The sky's map, if it has one.
     pub environment: Option<Environment<'a>>,
     /// Radiance of a sky without a map from straight above (+y); black if there is no sky.

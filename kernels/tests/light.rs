@@ -122,6 +122,8 @@ impl Scene {
                 source: &[0, 1, 2, SKY],
                 punctual: &[],
                 environment: None,
+                tree: None,
+                area_pdf: &[],
                 zenith: ZENITH.map(|c| c as f32),
                 nadir: NADIR.map(|c| c as f32),
                 sky_selection: self.sky_selection,
@@ -190,8 +192,10 @@ fn the_ends_of_the_unit_interval_select_lights_that_exist() {
         for u0 in CORNERS {
             let (light, rest) = select_light(&keep, &alias, Fx::splat(u0), Fx::new(CORNERS));
             assert!(
-                rest.to_array().iter().all(|r| (0.0..1.0).contains(r)),
-                "{rest}"
+                rest.iter()
+                    .flat_map(|r| r.to_array())
+                    .all(|r| (0.0..1.0).contains(&r)),
+                "{rest:?}"
             );
             for (light, u1) in light.to_array().into_iter().zip(CORNERS) {
                 let entry = ((f64::from(u0) * n as f64) as u32).min(n as u32 - 1);
@@ -348,6 +352,8 @@ fn a_back_that_does_not_emit_is_no_valid_sample() {
             source: &[2],
             punctual: &[],
             environment: None,
+            tree: None,
+            area_pdf: &[],
             zenith: [0.0; 3],
             nadir: [0.0; 3],
             sky_selection: 0.0,
@@ -382,6 +388,8 @@ fn where_light_passes_through_the_sky_is_sampled_all_around_and_rays_start_on_it
             source: &[SKY],
             punctual: &[],
             environment: None,
+            tree: None,
+            area_pdf: &[],
             zenith: [1.0; 3],
             nadir: [1.0; 3],
             sky_selection: 0.5,

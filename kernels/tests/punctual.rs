@@ -33,6 +33,8 @@ fn tables<'a>(punctual: &'a [Punctual], keep: &'a [f32], source: &'a [u32]) -> T
             source,
             punctual,
             environment: None,
+            tree: None,
+            area_pdf: &[],
             zenith: [0.0; 3],
             nadir: [0.0; 3],
             sky_selection: 0.0,

@@ -3,7 +3,7 @@
 use crate::cli::memory;
 use clap::{Args, ValueEnum};
 use huygens::scene::{Filter, Scene};
-use huygens::settings::{Integrator, Preset, Sampler, Settings, Strategy};
+use huygens::settings::{Integrator, LightSelection, Preset, Sampler, Settings, Strategy};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -47,6 +47,10 @@ pub(crate) struct ImageOptions {
     /// How a surface looks for light
     #[arg(long, value_name = "NAME")]
     pub(crate) strategy: Option<Strategy>,
+
+    /// How lights are chosen where they are sampled
+    #[arg(long, value_name = "NAME")]
+    pub(crate) light_selection: Option<LightSelection>,
 
     /// How the random numbers are spread over a pixel's samples
     #[arg(long, value_name = "NAME")]
@@ -126,6 +130,7 @@ impl ImageOptions {
         s.max_depth = self.max_depth.map_or(s.max_depth, |d| d.0);
         s.integrator = self.integrator.unwrap_or(s.integrator);
         s.strategy = self.strategy.unwrap_or(s.strategy);
+        s.light_selection = self.light_selection.unwrap_or(s.light_selection);
         s.sampler = self.sampler.unwrap_or(s.sampler);
         s.roulette = self.roulette.map_or(s.roulette, |r| r == Switch::On);
         s.seed = self.seed.unwrap_or(s.seed);
@@ -172,14 +177,15 @@ pub(crate) fn as_options(scene: &Scene) -> String {
         v.map_or_else(String::new, |v| v.get_name().to_owned())
     };
     let mut text = format!(
-        "--size {}x{} --spp {} --max-depth {} --integrator {} --strategy {} --sampler {} \
-         --roulette {} --seed {} --filter {}",
+        "--size {}x{} --spp {} --max-depth {} --integrator {} --strategy {} \
+         --light-selection {} --sampler {} --roulette {} --seed {} --filter {}",
         scene.film.width,
         scene.film.height,
         s.spp,
         s.max_depth.map_or("none".to_owned(), |d| d.to_string()),
         name(s.integrator.to_possible_value()),
         name(s.strategy.to_possible_value()),
+        name(s.light_selection.to_possible_value()),
         name(s.sampler.to_possible_value()),
         if s.roulette { "on" } else { "off" },
         s.seed,

@@ -1,9 +1,10 @@
 //! `--stats`: the numbers of a render for scripts. The layout is an interface: `docs/stats.md`
 //! documents it, and a test holds the two together.
 
+use huygens::effects::light_selection;
 use huygens::film::output::{OutputError, write_atomically};
 use huygens::scene::{Filter, Scene};
-use huygens::settings::{Integrator, Preset, Sampler, Strategy};
+use huygens::settings::{Integrator, LightSelection, Preset, Sampler, Strategy};
 use huygens::wave::Dropped;
 use huygens::wave::{RenderStats, StageStats};
 use serde::Serialize;
@@ -59,6 +60,7 @@ struct ImageStats {
 struct SettingsStats {
     integrator: Integrator,
     strategy: Strategy,
+    light_selection: LightSelection,
     sampler: Sampler,
     spp: u32,
     max_depth: Option<u32>,
@@ -154,6 +156,7 @@ impl Stats {
             settings: SettingsStats {
                 integrator: s.integrator,
                 strategy: s.strategy,
+                light_selection: light_selection(scene, s).0,
                 sampler: s.sampler,
                 spp: s.spp,
                 max_depth: s.max_depth,

@@ -170,6 +170,7 @@ fn settings(said: &description::Settings) -> Settings {
     Settings {
         integrator: said.integrator.unwrap_or(default.integrator),
         strategy: said.strategy.unwrap_or(default.strategy),
+        light_selection: said.light_selection.unwrap_or(default.light_selection),
         sampler: said.sampler.unwrap_or(default.sampler),
         spp: said.spp.map_or(default.spp, |n| n.0),
         max_depth: said.max_depth.map(|n| n.0).or(default.max_depth),

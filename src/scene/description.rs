@@ -8,7 +8,7 @@ use super::values::{
     Angle, Count, FieldOfView, Finite, Natural, NonNegative, OneOrThree, Pixels, Positive, Radius,
     Turbidity, Unit,
 };
-use crate::settings::{Integrator, Preset, Sampler, Strategy};
+use crate::settings::{Integrator, LightSelection, Preset, Sampler, Strategy};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
@@ -93,6 +93,7 @@ impl Default for Film {
 pub(super) struct Settings {
     pub(super) integrator: Option<Integrator>,
     pub(super) strategy: Option<Strategy>,
+    pub(super) light_selection: Option<LightSelection>,
     pub(super) sampler: Option<Sampler>,
     pub(super) spp: Option<Count>,
     pub(super) max_depth: Option<Natural>,

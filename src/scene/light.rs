@@ -153,6 +153,12 @@ impl LightKind {
         }
     }
 
+    /// Whether it is at a finite distance.
+    #[must_use]
+    pub fn is_near(&self) -> bool {
+        matches!(self, Self::Point { .. })
+    }
+
     /// Whether no ray finds it.
     #[must_use]
     pub fn is_delta(&self) -> bool {

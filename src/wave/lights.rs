@@ -1,30 +1,14 @@
 //! What next-event estimation selects from: the scene's lights as the kernels' tables.
 
 use super::environment::EnvironmentTables;
+use super::light_tree::LightTree;
 use super::tables::{alias_table, area, diagonal, luminance};
-use crate::scene::{LightKind, Scene, Sky};
-use crate::settings::Strategy;
-use huygens_kernels::light::{PUNCTUAL, Punctual, SKY};
+use crate::effects::light_selection;
+use crate::scene::{Light, LightKind, Material, Scene, Sky};
+use crate::settings::{LightSelection, Settings, Strategy};
+use huygens_kernels::light::{PUNCTUAL, Punctual, SKY, TREE};
 use huygens_kernels::tables::Lights;
 use std::f64::consts::{PI, TAU};
-
-/// Which lights next-event estimation samples.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Sampled {
-    /// All of them.
-    All,
-    /// Those that nothing else finds.
-    Delta,
-}
-
-impl From<Strategy> for Sampled {
-    fn from(strategy: Strategy) -> Self {
-        match strategy {
-            Strategy::Uniform | Strategy::Cosine => Self::Delta,
-            Strategy::Light | Strategy::Mis => Self::All,
-        }
-    }
-}
 
 /// The lights' tables.
 #[derive(Debug, Default)]
@@ -33,20 +17,33 @@ pub(crate) struct LightTables {
     alias: Vec<u32>,
     source: Vec<u32>,
     punctual: Vec<Punctual>,
+    tree: Option<LightTree>,
     environment: Option<EnvironmentTables>,
     sky_selection: f32,
     /// Of each material; see `Materials::area_pdf`.
     pub(crate) area_pdf: Vec<f32>,
+    /// Of each triangle; see `Lights::area_pdf`.
+    by_triangle: Vec<f32>,
+}
+
+/// A light, and its power, W of luminance.
+#[derive(Clone, Copy, Debug)]
+struct Powered {
+    source: u32,
+    power: f64,
 }
 
 impl LightTables {
-    /// The tables of `scene`. Lights are selected by power: `pi * area * sides * luminance` of a
-    /// triangle, the luminance of the flux of lights of no area, `4 pi^2 r^2 * mean luminance` of the
-    /// sky over a scene of bounding radius `r` (the flux through that sphere; *PBRT* 4th ed., 12.5).
-    pub(crate) fn new(scene: &Scene, sampled: Sampled) -> Self {
+    /// The tables of `scene`, by the `strategy` and `light_selection` of `settings`: strategies that
+    /// look for light by directions sample what these do not find.
+    ///
+    /// Powers are `pi * area * sides * luminance` of a triangle, the luminance of the flux of lights of
+    /// no area, `4 pi^2 r^2 * mean luminance` of the sky over a scene of bounding radius `r` (the
+    /// flux through that sphere; *PBRT* 4th ed., 12.5).
+    pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
         let mut tables = Self::default();
-        let all = sampled == Sampled::All;
-        let exitance = |m: &crate::scene::Material| {
+        let all = matches!(settings.strategy, Strategy::Light | Strategy::Mis);
+        let exitance = |m: &Material| {
             let sides = 1.0 + f64::from(m.two_sided);
             if all {
                 // Where it is textured, by its factor.
@@ -56,23 +53,22 @@ impl LightTables {
             }
         };
         let exitance: Vec<f64> = scene.materials.iter().map(exitance).collect();
-        let mut powers = Vec::new();
-        for (i, &m) in scene.mesh.material.iter().enumerate() {
-            if exitance[m as usize] > 0.0 {
-                tables.source.push(i as u32);
-                powers.push(exitance[m as usize] * area(scene.mesh.corners(i)));
-            }
-        }
+        let emits = |triangle: usize| exitance[scene.mesh.material[triangle] as usize] > 0.0;
         // Without geometry there is nothing to light and the radius is 0.
         let radius = 0.5 * diagonal(&scene.mesh);
-        let first = powers.len();
-        for light in &scene.lights {
-            tables.punctual.push(punctual(&light.kind));
-            if all || light.kind.is_delta() {
-                let k = tables.punctual.len() as u32 - 1;
-                tables.source.push(PUNCTUAL | k);
-                let power = luminance(light.kind.colour()) * light.kind.power_factor(radius);
-                powers.push(power.max(f64::MIN_POSITIVE));
+        tables.punctual = scene.lights.iter().map(|l| punctual(&l.kind)).collect();
+        let (mut near, mut far) = (Vec::new(), Vec::new());
+        for i in (0..scene.mesh.triangles()).filter(|&i| emits(i)) {
+            let power = exitance[scene.mesh.material[i] as usize] * area(scene.mesh.corners(i));
+            let source = i as u32;
+            near.push(Powered { source, power });
+        }
+        for (k, Light { kind, .. }) in scene.lights.iter().enumerate() {
+            if all || kind.is_delta() {
+                let power = luminance(kind.colour()) * kind.power_factor(radius);
+                let source = PUNCTUAL | k as u32;
+                let lights = if kind.is_near() { &mut near } else { &mut far };
+                lights.push(Powered { source, power });
             }
         }
         let sky = scene.sky.as_ref().filter(|sky| sky.shines());
@@ -80,21 +76,49 @@ impl LightTables {
             tables.environment = Some(EnvironmentTables::new(map));
         }
         if let Some(sky) = sky.filter(|_| all) {
-            tables.source.push(SKY);
             let power = 4.0 * PI.powi(2) * radius * radius * luminance(sky.mean());
-            powers.push(power.max(f64::MIN_POSITIVE));
+            far.push(Powered { source: SKY, power });
         }
-        let total: f64 = powers.iter().sum();
+        let (selection, _) = light_selection(scene, settings);
+        if selection == LightSelection::Tree {
+            tables.tree = Some(LightTree::new(scene, emits));
+            let power = near.iter().map(|l| l.power).sum();
+            near = vec![Powered {
+                source: TREE,
+                power,
+            }];
+        }
+        near.append(&mut far);
+        let weigh = |l: &Powered| match selection {
+            LightSelection::Uniform => 1.0,
+            _ => l.power.max(f64::MIN_POSITIVE),
+        };
+        let weights: Vec<f64> = near.iter().map(weigh).collect();
+        let total: f64 = weights.iter().sum();
         tables.area_pdf = exitance.iter().map(|&e| ratio(e, total)).collect();
-        for (&source, &power) in tables.source[first..].iter().zip(&powers[first..]) {
-            let selection = ratio(power, total);
-            if source == SKY {
-                tables.sky_selection = selection;
-            } else {
-                tables.punctual[(source & !PUNCTUAL) as usize].selection = selection;
+        if selection == LightSelection::Uniform {
+            let pdf = |i| {
+                if emits(i) {
+                    (1.0 / (total * area(scene.mesh.corners(i)))) as f32
+                } else {
+                    0.0
+                }
+            };
+            tables.by_triangle = (0..scene.mesh.triangles()).map(pdf).collect();
+        }
+        for (&Powered { source, .. }, &weight) in near.iter().zip(&weights) {
+            let selection = ratio(weight, total);
+            match (source, &mut tables.tree) {
+                (SKY, _) => tables.sky_selection = selection,
+                (TREE, Some(tree)) => tree.selection = selection,
+                (PUNCTUAL.., _) => {
+                    tables.punctual[(source & !PUNCTUAL) as usize].selection = selection;
+                }
+                _ => {}
             }
         }
-        (tables.keep, tables.alias) = alias_table(&powers);
+        tables.source = near.iter().map(|l| l.source).collect();
+        (tables.keep, tables.alias) = alias_table(&weights);
         tables
     }
 
@@ -118,6 +142,8 @@ impl LightTables {
             alias: &self.alias,
             source: &self.source,
             punctual: &self.punctual,
+            tree: self.tree.as_ref().map(LightTree::view),
+            area_pdf: &self.by_triangle,
             environment: map
                 .zip(self.environment.as_ref())
                 .map(|(map, tables)| tables.view(map)),

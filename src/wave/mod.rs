@@ -14,6 +14,7 @@ mod environment;
 mod generate;
 mod instruments;
 mod intersect;
+mod light_tree;
 mod lights;
 mod plan;
 mod queue;

@@ -43,7 +43,7 @@ pub struct QueuePlan {
 #[must_use]
 pub fn plan(scene: &Scene, geometry: &Geometry, settings: &Settings) -> Plan {
     let effects = Effects::of(scene, settings);
-    let tables = SceneTables::new(scene, settings.strategy.into());
+    let tables = SceneTables::new(scene, settings);
     let filter = filter::table(scene.film.filter);
     let setup = Setup::new(scene, &effects, &tables, geometry, settings, &filter);
     let wave = Wave::new(&setup, &Instruments::default(), Instant::now());

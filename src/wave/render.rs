@@ -59,7 +59,7 @@ pub fn render_with(
         let workers = scheduler::run(film, settings, control, worker);
         Accounts::new(workers.into_iter().map(|(o, s)| (o.account, s)), start)
     } else {
-        let tables = SceneTables::new(scene, settings.strategy.into());
+        let tables = SceneTables::new(scene, settings);
         let filter = filter::table(scene.film.filter);
         let effects = Effects::of(scene, settings);
         let setup = Setup::new(scene, &effects, &tables, geometry, settings, &filter);

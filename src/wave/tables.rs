@@ -1,7 +1,8 @@
 //! From a compiled scene to the tables that kernels read.
 
-use super::lights::{LightTables, Sampled};
+use super::lights::LightTables;
 use crate::scene::{Bsdf, Material, Mesh, Scene};
+use crate::settings::Settings;
 use huygens_kernels::tables::{Materials, SLOTS, Tables, Triangles};
 
 /// Material columns and light tables.
@@ -15,10 +16,10 @@ pub(crate) struct SceneTables {
 }
 
 impl SceneTables {
-    /// The tables of `scene`, of whose lights next-event estimation samples `sampled`.
-    pub(crate) fn new(scene: &Scene, sampled: Sampled) -> Self {
+    /// The tables of `scene`; of `settings`, how lights are sampled.
+    pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
         let mut tables = Self {
-            lights: LightTables::new(scene, sampled),
+            lights: LightTables::new(scene, settings),
             ..Self::default()
         };
         for m in &scene.materials {

@@ -1,0 +1,513 @@
+//! Builds the light tree: the lights at a finite distance, bounded and split in two until each stands
+//! alone.
+//!
+//! Splits are the cheapest of twelve along each axis by the surface area orientation heuristic of
+//! Conty Estevez and Kulla (HPG 2018): intensity times the area of the box times the solid angle that
+//! the lights shine into, weighted for narrow boxes. All in f64; nodes are rounded outwards where it
+//! matters.
+
+use super::tables::luminance;
+use crate::scene::{LightKind, Mesh, Scene};
+use glam::DVec3;
+use huygens_kernels::light::{LEAF, NO_LIGHT, Node, PUNCTUAL, Tree};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Candidates on each axis are one fewer.
+const BUCKETS: usize = 12;
+/// Levels that a trail of 32 bits can lead down.
+const LEVELS: usize = 32;
+/// What a spot is taken to shine beyond its cone, radians: rounding must not cut what it does shine.
+const MARGIN: f64 = 0.02;
+
+/// Tables of `huygens_kernels::light::Tree`.
+#[derive(Debug, Default)]
+pub(crate) struct LightTree {
+    nodes: Vec<Node>,
+    source: Vec<u32>,
+    inverse_area: Vec<f32>,
+    trail: Vec<u32>,
+    of_triangle: Vec<u32>,
+    /// Probability to select the tree before a light of it.
+    pub(crate) selection: f32,
+}
+
+/// Bounds of lights: what a node says, not yet rounded.
+#[derive(Clone, Copy, Debug)]
+struct Bounds {
+    low: DVec3,
+    high: DVec3,
+    axis: DVec3,
+    theta_o: f64,
+    theta_e: f64,
+    intensity: f64,
+    two_sided: bool,
+}
+
+/// A light and what it is.
+#[derive(Clone, Copy, Debug)]
+struct Leaf {
+    bounds: Bounds,
+    source: u32,
+    inverse_area: f64,
+}
+
+impl LightTree {
+    /// The tree of a scene's lights at a finite distance, of which there is at least one. `emits` says
+    /// which triangles are lights.
+    pub(crate) fn new(scene: &Scene, emits: impl Fn(usize) -> bool) -> Self {
+        let mut leaves: Vec<Leaf> = (0..scene.mesh.triangles())
+            .filter(|&i| emits(i))
+            .map(|i| triangle(scene, i))
+            .collect();
+        for (k, light) in scene.lights.iter().enumerate() {
+            leaves.extend(punctual(&light.kind, k));
+        }
+        // Importances are compared with each other only; so that sums of them do not overflow:
+        let largest = leaves
+            .iter()
+            .map(|l| l.bounds.intensity)
+            .fold(0.0, f64::max);
+        for leaf in &mut leaves {
+            // What f32 would round to nothing is still a light.
+            let share = leaf.bounds.intensity / largest;
+            leaf.bounds.intensity = share.max(f64::from(f32::MIN_POSITIVE));
+        }
+        let mut tree = Self {
+            nodes: Vec::with_capacity(2 * leaves.len()),
+            of_triangle: vec![NO_LIGHT; scene.mesh.triangles()],
+            ..Self::default()
+        };
+        tree.nodes.push(Node::default());
+        tree.grow(0, &mut leaves, 0, 0);
+        tree
+    }
+
+    /// Makes node `at` of `leaves`, at the end of the `trail` of `level` steps.
+    fn grow(&mut self, at: usize, leaves: &mut [Leaf], trail: u32, level: usize) {
+        let all = bounds_of(leaves);
+        if let [leaf] = leaves {
+            let light = self.source.len() as u32;
+            self.source.push(leaf.source);
+            self.inverse_area.push(leaf.inverse_area as f32);
+            self.trail.push(trail);
+            if leaf.source < PUNCTUAL {
+                self.of_triangle[leaf.source as usize] = light;
+            }
+            self.nodes[at] = all.node(LEAF | light);
+            return;
+        }
+        let middle = split(leaves, &all, level);
+        let child = self.nodes.len();
+        self.nodes[at] = all.node(child as u32);
+        self.nodes.resize(child + 2, Node::default());
+        let (first, second) = leaves.split_at_mut(middle);
+        self.grow(child, first, trail, level + 1);
+        self.grow(child + 1, second, trail | (1 << level), level + 1);
+    }
+
+    /// The view that kernels take.
+    pub(crate) fn view(&self) -> Tree<'_> {
+        Tree {
+            nodes: &self.nodes,
+            source: &self.source,
+            inverse_area: &self.inverse_area,
+            trail: &self.trail,
+            of_triangle: &self.of_triangle,
+            selection: self.selection,
+        }
+    }
+}
+
+/// Sorts `leaves` so that the first child's come first; how many those are.
+fn split(leaves: &mut [Leaf], all: &Bounds, level: usize) -> usize {
+    let n = leaves.len();
+    let middles = |leaves: &[Leaf]| {
+        let mut middles = leaves.iter().map(|l| l.bounds.middle());
+        let first = middles.next().unwrap_or(DVec3::ZERO);
+        middles.fold((first, first), |(lo, hi), m| (lo.min(m), hi.max(m)))
+    };
+    let (low, high) = middles(leaves);
+    let extent = high - low;
+    // As many levels as halving needs must be left.
+    let halving = n.next_power_of_two().ilog2() as usize;
+    let mut best: Option<(f64, usize, usize)> = None;
+    if level + halving < LEVELS {
+        for axis in (0..3).filter(|&a| extent[a] > 0.0) {
+            for (bucket, cost) in costs(leaves, all, axis, low[axis], extent[axis]) {
+                if best.is_none_or(|(least, ..)| cost < least) {
+                    best = Some((cost, axis, bucket));
+                }
+            }
+        }
+    }
+    if let Some((_, axis, bucket)) = best {
+        let side = |l: &Leaf| bucket_of(l, axis, low[axis], extent[axis]) > bucket;
+        // Stable, so that the tree depends on nothing but the scene.
+        leaves.sort_by_key(side);
+        return leaves.partition_point(|l| !side(l));
+    }
+    let axis = extent.max_position();
+    leaves.sort_by(|a, b| a.bounds.middle()[axis].total_cmp(&b.bounds.middle()[axis]));
+    n / 2
+}
+
+fn bucket_of(leaf: &Leaf, axis: usize, low: f64, extent: f64) -> usize {
+    let at = (leaf.bounds.middle()[axis] - low) / extent * BUCKETS as f64;
+    (at as usize).min(BUCKETS - 1)
+}
+
+/// Costs of splits behind each bucket that leaves something on both sides.
+fn costs(leaves: &[Leaf], all: &Bounds, axis: usize, low: f64, extent: f64) -> Vec<(usize, f64)> {
+    let mut buckets = [None; BUCKETS];
+    for leaf in leaves {
+        let bucket = &mut buckets[bucket_of(leaf, axis, low, extent)];
+        *bucket = join(*bucket, Some(leaf.bounds));
+    }
+    let size = all.high - all.low;
+    let narrow = size.max_element() / size[axis].max(size.max_element() * 1e-6);
+    let cost = |b: Bounds| b.intensity * b.area() * b.shining();
+    let candidates = (0..BUCKETS - 1).filter_map(|k| {
+        let of = |range: &[Option<Bounds>]| range.iter().fold(None, |a, b| join(a, *b));
+        let (first, second) = (of(&buckets[..=k])?, of(&buckets[k + 1..])?);
+        Some((k, narrow * (cost(first) + cost(second))))
+    });
+    candidates.collect()
+}
+
+fn join(a: Option<Bounds>, b: Option<Bounds>) -> Option<Bounds> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.with(&b)),
+        (a, b) => a.or(b),
+    }
+}
+
+fn bounds_of(leaves: &[Leaf]) -> Bounds {
+    let mut all = leaves[0].bounds;
+    for leaf in &leaves[1..] {
+        all = all.with(&leaf.bounds);
+    }
+    all
+}
+
+impl Bounds {
+    fn middle(&self) -> DVec3 {
+        0.5 * (self.low + self.high)
+    }
+
+    fn area(&self) -> f64 {
+        let size = self.high - self.low;
+        2.0 * (size.x * size.y + size.y * size.z + size.z * size.x)
+    }
+
+    /// The solid angle that the lights shine into, weighted by the cosine beyond the cone of normals.
+    fn shining(&self) -> f64 {
+        let (o, w) = (self.theta_o, (self.theta_o + self.theta_e).min(PI));
+        let beyond = 2.0 * w * o.sin() - (o - 2.0 * w).cos() - 2.0 * o * o.sin() + o.cos();
+        TAU * (1.0 - o.cos()) + FRAC_PI_2 * beyond
+    }
+
+    fn with(&self, other: &Self) -> Self {
+        let (axis, theta_o) = cone(self.axis, self.theta_o, other.axis, other.theta_o);
+        Self {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+            axis,
+            theta_o,
+            theta_e: self.theta_e.max(other.theta_e),
+            intensity: self.intensity + other.intensity,
+            two_sided: self.two_sided | other.two_sided,
+        }
+    }
+
+    fn node(&self, child: u32) -> Node {
+        // Rounded, the sphere and the cone must not be smaller: by a few units in the last place.
+        let wider = 1.0 + 4.0 * f64::from(f32::EPSILON);
+        let centre = self.middle().as_vec3();
+        let off = (self.middle() - centre.as_dvec3()).length();
+        let radius = (0.5 * (self.high - self.low).length() + off) * wider;
+        let theta_o = match self.theta_o {
+            0.0 => 0.0,
+            theta => (theta + 4.0 * f64::from(f32::EPSILON)).min(PI),
+        };
+        Node {
+            centre: centre.to_array(),
+            radius2: (radius * radius) as f32,
+            axis: self.axis.as_vec3().to_array(),
+            cos_o: theta_o.cos() as f32,
+            sin_o: theta_o.sin().max(0.0) as f32,
+            cos_e: self.theta_e.cos().max(0.0) as f32,
+            intensity: self.intensity as f32,
+            two_sided: if self.two_sided { u32::MAX } else { 0 },
+            child,
+        }
+    }
+}
+
+/// The smallest cone around two: axis and half angle.
+fn cone(a: DVec3, theta_a: f64, b: DVec3, theta_b: f64) -> (DVec3, f64) {
+    let (a, theta_a, b, theta_b) = if theta_a < theta_b {
+        (b, theta_b, a, theta_a)
+    } else {
+        (a, theta_a, b, theta_b)
+    };
+    let between = a.angle_between(b);
+    if (between + theta_b).min(PI) <= theta_a {
+        return (a, theta_a);
+    }
+    let theta = 0.5 * (theta_a + between + theta_b);
+    let pole = a.cross(b);
+    match pole.try_normalize() {
+        Some(pole) if theta < PI => {
+            let turned = glam::DQuat::from_axis_angle(pole, theta - theta_a) * a;
+            (turned.normalize(), theta)
+        }
+        // All around, or opposite axes.
+        _ => (a, PI),
+    }
+}
+
+fn triangle(scene: &Scene, i: usize) -> Leaf {
+    let mesh: &Mesh = &scene.mesh;
+    let material = &scene.materials[mesh.material[i] as usize];
+    let [a, b, c] = mesh.corners(i).map(|v| DVec3::from_array(v.map(f64::from)));
+    let normal = (b - a).cross(c - a);
+    let area = 0.5 * normal.length();
+    Leaf {
+        bounds: Bounds {
+            low: a.min(b).min(c),
+            high: a.max(b).max(c),
+            axis: normal.normalize(),
+            theta_o: 0.0,
+            theta_e: FRAC_PI_2,
+            intensity: luminance(material.emission.factor) * area,
+            two_sided: material.two_sided,
+        },
+        source: i as u32,
+        inverse_area: 1.0 / area,
+    }
+}
+
+/// A light of no area, unless it is distant.
+fn punctual(kind: &LightKind, k: usize) -> Option<Leaf> {
+    let LightKind::Point {
+        position,
+        intensity,
+        spot,
+    } = *kind
+    else {
+        return None;
+    };
+    let at = DVec3::from_array(position.map(f64::from));
+    let (axis, theta_o, theta_e) = match spot {
+        None => (DVec3::Y, PI, FRAC_PI_2),
+        Some(spot) => (
+            DVec3::from_array(spot.axis.map(f64::from)),
+            f64::from(spot.dark).clamp(-1.0, 1.0).acos(),
+            MARGIN,
+        ),
+    };
+    Some(Leaf {
+        bounds: Bounds {
+            low: at,
+            high: at,
+            axis,
+            theta_o,
+            theta_e,
+            intensity: luminance(intensity),
+            two_sided: false,
+        },
+        source: PUNCTUAL | k as u32,
+        inverse_area: 1.0,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{FilmSpec, Filter, Light, Material, Projection, Spot};
+    use huygens_kernels::lanes::Ux;
+    use huygens_kernels::vec3::Vec3x;
+    use rand_pcg::Pcg64;
+    use rand_pcg::rand_core::Rng;
+
+    fn unit(rng: &mut Pcg64) -> f64 {
+        rng.next_u32() as f64 / f64::from(u32::MAX)
+    }
+
+    fn point(rng: &mut Pcg64, size: f64) -> [f32; 3] {
+        std::array::from_fn(|_| (size * (2.0 * unit(rng) - 1.0)) as f32)
+    }
+
+    /// Triangles of two materials, one of which shines to both sides, and points and spots.
+    fn scene(triangles: usize, points: usize, rng: &mut Pcg64) -> Scene {
+        let mut mesh = Mesh::default();
+        for i in 0..triangles {
+            let at = point(rng, 5.0);
+            for _ in 0..3 {
+                let off = point(rng, 0.3);
+                mesh.vertices.push(std::array::from_fn(|c| at[c] + off[c]));
+            }
+            let first = 3 * i as u32;
+            mesh.indices.push([first, first + 1, first + 2]);
+            mesh.material.push((i % 5 == 0).into());
+        }
+        let material = |two_sided| Material {
+            two_sided,
+            ..Material::diffuse("lamp", [0.0; 3], [1.0, 2.0, 3.0])
+        };
+        let light = |k: usize, rng: &mut Pcg64| {
+            let axis = DVec3::from_array(point(rng, 1.0).map(f64::from)).normalize();
+            let dark = 1.8 * unit(rng) - 0.9;
+            let spot = Spot {
+                axis: axis.as_vec3().to_array(),
+                dark: dark as f32,
+                full: (dark + 0.1 * unit(rng)) as f32,
+            };
+            let kind = LightKind::Point {
+                position: point(rng, 5.0),
+                intensity: [1.0; 3],
+                spot: (k % 2 == 0).then_some(spot),
+            };
+            let name = String::new();
+            Light { name, kind }
+        };
+        Scene {
+            name: String::new(),
+            hash: [0; 32],
+            camera: crate::scene::Camera {
+                origin: [0.0; 3],
+                forward: [0.0, 0.0, -1.0],
+                right: [1.0, 0.0, 0.0],
+                up: [0.0, 1.0, 0.0],
+                projection: Projection::Panorama,
+            },
+            film: FilmSpec {
+                width: 1,
+                height: 1,
+                filter: Filter::Box,
+            },
+            mesh,
+            materials: vec![material(false), material(true)],
+            textures: Vec::new(),
+            sky: None,
+            lights: (0..points).map(|k| light(k, rng)).collect(),
+            settings: crate::settings::Settings::default(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Where a trail leads.
+    fn follow(tree: &LightTree, mut trail: u32) -> u32 {
+        let mut at = 0;
+        loop {
+            let child = tree.nodes[at].child;
+            if child & LEAF != 0 {
+                return child & !LEAF;
+            }
+            at = (child + (trail & 1)) as usize;
+            trail >>= 1;
+        }
+    }
+
+    #[test]
+    fn every_light_has_a_leaf_and_a_trail_that_leads_to_it() {
+        let mut rng = Pcg64::new(1, 1);
+        for (triangles, points) in [(1, 0), (0, 1), (2, 3), (500, 30)] {
+            let scene = scene(triangles, points, &mut rng);
+            let tree = LightTree::new(&scene, |_| true);
+            let lights = triangles + points;
+            assert_eq!(tree.nodes.len(), 2 * lights - 1);
+            let mut sources = tree.source.clone();
+            sources.sort_unstable();
+            let expected = (0..triangles as u32).chain((0..points as u32).map(|k| PUNCTUAL | k));
+            assert_eq!(sources, expected.collect::<Vec<_>>());
+            for (light, &trail) in tree.trail.iter().enumerate() {
+                assert_eq!(follow(&tree, trail), light as u32);
+            }
+            for (triangle, &light) in tree.of_triangle.iter().enumerate() {
+                assert_eq!(tree.source[light as usize], triangle as u32);
+            }
+        }
+    }
+
+    #[test]
+    fn lights_at_one_place_are_halved_until_they_stand_alone() {
+        let mut rng = Pcg64::new(2, 1);
+        let mut scene = scene(0, 1000, &mut rng);
+        for light in &mut scene.lights {
+            if let LightKind::Point { position, .. } = &mut light.kind {
+                *position = [1.0, 2.0, 3.0];
+            }
+        }
+        let tree = LightTree::new(&scene, |_| true);
+        assert!(tree.trail.iter().all(|&t| t < 1 << 10), "ten levels");
+    }
+
+    /// Whatever a light sends to a point, the tree can draw it there: no node on its way says that
+    /// nothing of it shines.
+    #[test]
+    fn no_light_that_shines_on_a_point_is_ruled_out() {
+        let mut rng = Pcg64::new(3, 1);
+        let (triangles, points) = (200, 40);
+        let scene = scene(triangles, points, &mut rng);
+        let mut tree = LightTree::new(&scene, |_| true);
+        tree.selection = 1.0;
+        let kernel = tree.view();
+        let mut shining = 0;
+        for _ in 0..200 {
+            let at = point(&mut rng, 8.0);
+            let p = DVec3::from_array(at.map(f64::from));
+            let mut sum = 0.0;
+            for triangle in 0..triangles {
+                let said = kernel.probability(Vec3x::splat(at), Ux::splat(triangle as u32));
+                let said = f64::from(said.as_array()[0]);
+                sum += said;
+                let [a, b, c] = scene
+                    .mesh
+                    .corners(triangle)
+                    .map(|v| DVec3::from_array(v.map(f64::from)));
+                let front = (b - a).cross(c - a).dot(p - a) > 0.0;
+                if front || scene.mesh.material[triangle] == 1 {
+                    shining += 1;
+                    assert!(said > 0.0, "triangle {triangle} at {at:?}");
+                }
+            }
+            assert!(sum <= 1.0 + 1e-5, "probabilities of a part sum to {sum}");
+            // Spots have no way to be found: what is asked of them is that their nodes shine.
+            for (k, light) in scene.lights.iter().enumerate() {
+                let LightKind::Point {
+                    position,
+                    spot: Some(spot),
+                    ..
+                } = light.kind
+                else {
+                    continue;
+                };
+                let to = p - DVec3::from_array(position.map(f64::from));
+                let axis = DVec3::from_array(spot.axis.map(f64::from));
+                if to.normalize().dot(axis) <= f64::from(spot.dark) {
+                    continue;
+                }
+                let source = PUNCTUAL | k as u32;
+                let light = tree
+                    .source
+                    .iter()
+                    .position(|&s| s == source)
+                    .expect("is there");
+                let (mut node, mut trail) = (0, tree.trail[light]);
+                loop {
+                    let importance = kernel.importance(Ux::splat(node), Vec3x::splat(at));
+                    assert!(importance.as_array()[0] > 0.0, "spot {k} at {at:?}");
+                    let child = tree.nodes[node as usize].child;
+                    if child & LEAF != 0 {
+                        break;
+                    }
+                    node = child + (trail & 1);
+                    trail >>= 1;
+                }
+                shining += 1;
+            }
+        }
+        assert!(shining > 10_000, "the test has tested {shining}");
+    }
+}
