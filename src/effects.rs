@@ -3,7 +3,7 @@
 //! The wave is assembled from this: a stage, a queue or a kernel that no effect asks for is not
 //! there.
 
-use crate::scene::{Bsdf, Light, Material, Projection, Scene, Sky};
+use crate::scene::{Bsdf, LightKind, Material, Projection, Scene, Sky};
 use crate::settings::{Integrator, LightSelection, Settings, Strategy};
 use serde::Serialize;
 
@@ -83,8 +83,10 @@ pub struct Effects {
     /// By material: what scatters there. Materials that no surface wears call for nothing and count as
     /// plain.
     pub shaders: Vec<Shader>,
-    /// Whether light comes from all around, or from discs at no distance.
-    pub sky: bool,
+    /// Whether rays that leave the scene can find light.
+    pub beyond: bool,
+    /// Whether there are lights that are no surfaces.
+    pub lights: bool,
     /// Whether surfaces emit.
     pub emission: bool,
 }
@@ -105,18 +107,16 @@ impl Effects {
             effects.add("roulette", "setting `roulette`");
         }
         let samples_lights = matches!(settings.strategy, Strategy::Light | Strategy::Mis);
-        let (selection, reason) = light_selection(scene, settings);
-        if transport
-            && samples_lights
-            && (effects.sky || effects.emission || !scene.lights.is_empty())
-        {
-            effects.add("next-event estimation", "setting `strategy`");
+        let any = effects.beyond || effects.lights || effects.emission;
+        let asked = (samples_lights && any).then(|| "setting `strategy`".to_owned());
+        // Lights that no direction finds are sampled whatever the strategy.
+        let delta = scene.lights.iter().find(|l| l.kind.is_delta());
+        let asked = asked.or_else(|| delta.map(|l| format!("light `{}`", l.name)));
+        if let Some(asked) = asked.filter(|_| transport) {
+            effects.add("next-event estimation", asked);
+            let (selection, reason) = light_selection(scene, settings);
             if selection == LightSelection::Tree {
                 effects.add("light tree", reason);
-            }
-        } else if let Some(light) = scene.lights.iter().find(|l| l.kind.is_delta()) {
-            if transport {
-                effects.add("next-event estimation", light_of(light));
             }
         }
         effects
@@ -143,20 +143,26 @@ impl Effects {
 
     fn light(&mut self, scene: &Scene) {
         if let Some(sky) = scene.sky.as_ref().filter(|sky| sky.shines()) {
-            self.sky = true;
-            let name = match sky {
-                Sky::Gradient { .. } => "sky",
-                Sky::Map(_) => "environment map",
+            self.beyond = true;
+            match sky {
+                Sky::Gradient { .. } => self.add("sky", "the scene's `sky`"),
+                Sky::Map(_) => self.add("environment map", "the scene's `sky`"),
+            }
+        }
+        for light in &scene.lights {
+            let (name, beyond) = match light.kind {
+                LightKind::Point { spot: None, .. } => ("point lights", false),
+                LightKind::Point { .. } => ("spots", false),
+                LightKind::Distant { half_angle, .. } => match half_angle > 0.0 {
+                    true => ("discs in the sky", true),
+                    false => ("parallel light", false),
+                },
             };
-            self.add(name, "the scene's `sky`");
-        }
-        let (delta, discs): (Vec<_>, Vec<_>) = scene.lights.iter().partition(|l| l.kind.is_delta());
-        if let Some(disc) = discs.first() {
-            self.sky = true;
-            self.add("discs in the sky", light_of(disc));
-        }
-        if let Some(delta) = delta.first() {
-            self.add("delta lights", light_of(delta));
+            self.beyond |= beyond;
+            self.lights = true;
+            if !self.list.iter().any(|effect| effect.name == name) {
+                self.add(name, format!("light `{}`", light.name));
+            }
         }
         let emits = |m: &&Material| m.emits();
         let worn = worn(scene);
@@ -220,10 +226,6 @@ pub fn light_selection(scene: &Scene, settings: &Settings) -> (LightSelection, S
         ),
         asked => (asked, "setting `light_selection`".to_owned()),
     }
-}
-
-fn light_of(light: &Light) -> String {
-    format!("light `{}`", light.name)
 }
 
 fn material(material: &Material) -> String {

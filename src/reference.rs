@@ -29,10 +29,6 @@ use rand_pcg::rand_core::Rng;
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Deepest recursion, at a good 256 bytes a level: within half of a thread's usual stack of 2 MiB.
-/// What is cut at an albedo of 0.99 is below e^-20 of the answer.
-const DEEPEST: u32 = 2048;
-
 /// The reference renderer of one scene.
 #[derive(Debug)]
 pub struct Reference<'a> {
@@ -67,6 +63,19 @@ struct Hit {
 }
 
 impl<'a> Reference<'a> {
+    /// Deepest recursion, at a good 256 bytes a level: within half of a thread's usual stack of 2 MiB.
+    /// What is cut at an albedo of 0.99 is below e^-20 of the answer.
+    pub const DEEPEST: u32 = 2048;
+
+    /// Most triangles for which testing them all is bearable: a few microseconds a ray.
+    const MOST_TRIANGLES: usize = 1024;
+
+    /// Whether the reference renders `scene` in bearable time.
+    #[must_use]
+    pub fn supports(scene: &Scene) -> bool {
+        scene.mesh.triangles() <= Self::MOST_TRIANGLES
+    }
+
     /// Prepares `scene`. Of `settings` it follows `seed`, the depth limit (at most 2048, since each
     /// scattering event is a level of recursion) and `strategy`: `uniform` draws directions
     /// uniformly; all others draw them by the cosine, for the reference looks for light on the
@@ -100,7 +109,7 @@ impl<'a> Reference<'a> {
             triangles: triangles.collect(),
             lights: Lights::new(scene),
             seed: settings.seed,
-            max_depth: unbounded.depth_limit().min(DEEPEST),
+            max_depth: unbounded.depth_limit().min(Self::DEEPEST),
             uniform: settings.strategy == Strategy::Uniform,
             // A hit point is off its plane by a few roundings of the largest coordinate: 2^-48 of
             // that covers them sixteenfold, and lies as far below what f32 vertices resolve as

@@ -1,6 +1,7 @@
 //! What a render is asked to do, apart from the scene: the same words in scene files, on the
 //! command line and in the library.
 
+use huygens_kernels::roulette::SURVIVAL_GAIN;
 use serde::{Deserialize, Serialize};
 
 /// What the wave computes for each camera sample.
@@ -83,8 +84,8 @@ pub enum Preset {
 
 /// Everything that a render needs besides scene, geometry and film.
 ///
-/// The image depends on `integrator`, `strategy`, `light_selection`, `sampler`, `spp`, `max_depth`, `roulette`, `seed` and
-/// `ao_distance`; never on `bvh`, `threads`, `wave` or `tile`.
+/// The image depends on `integrator`, `strategy`, `light_selection`, `sampler`, `spp`, `max_depth`,
+/// `roulette`, `survival`, `seed` and `ao_distance`; never on `bvh`, `threads`, `wave` or `tile`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// What is computed for each sample.
@@ -102,6 +103,9 @@ pub struct Settings {
     /// Whether paths end at random by their throughput. Without it and without a maximum depth, a
     /// path in a closed scene would never end, so [`Settings::depth_limit`] then sets one.
     pub roulette: bool,
+    /// Chance of a path to survive the roulette, over its throughput; above 0. The larger, the longer
+    /// paths live, and the more each costs.
+    pub survival: f32,
     /// Seed of the random numbers.
     pub seed: u32,
     /// Occlusion distance of `ao` in scene units; `None`: a tenth of the scene's diagonal.
@@ -126,6 +130,7 @@ impl Default for Settings {
             spp: 64,
             max_depth: None,
             roulette: true,
+            survival: SURVIVAL_GAIN,
             seed: 0,
             ao_distance: None,
             bvh: Preset::default(),
@@ -137,6 +142,9 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// A [`Settings::survival`] of roulette that ends paths a good deal sooner than usual.
+    pub const AGGRESSIVE: f32 = 0.5;
+
     /// Depth at which paths are cut when neither a maximum depth nor roulette ends them: what is
     /// lost at an albedo of 0.99 is then below e^-40 of the answer.
     pub const CUT_WITHOUT_ROULETTE: u32 = 4096;

@@ -67,6 +67,7 @@ fn a_timeline_is_bounded_and_in_order() {
     let instruments = Instruments {
         slices: 50,
         counters: true,
+        processor_time: false,
     };
     let stats = render(&scene, &settings, &instruments);
     assert_eq!(stats.timelines.len(), 2);
@@ -91,6 +92,7 @@ fn instruments_do_not_change_the_counts() {
     let instruments = Instruments {
         slices: 10,
         counters: true,
+        processor_time: true,
     };
     let watched = render(&scene, &settings, &instruments);
     for (a, b) in plain.stages.iter().zip(&watched.stages) {

@@ -82,9 +82,9 @@ fn unknown_key_with_a_suggestion() {
 #[test]
 fn unknown_key_like_no_other() {
     assert_eq!(
-        message("[materials.a]\nroughness = 0.1\n"),
-        "s.toml:2:1: unknown key `roughness` in `materials.a`, \
-         expected `albedo`, `emission` or `two_sided`"
+        message("[film]\nwavelength = 0.1\n"),
+        "s.toml:2:1: unknown key `wavelength` in `film`, \
+         expected `width`, `height` or `filter`"
     );
 }
 

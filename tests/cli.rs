@@ -254,6 +254,8 @@ fn the_documentation_lists_exactly_the_options_there_are() {
         ("inspect", "--strict"),
         ("accuracy", "--budget"),
         ("diff", "--scale"),
+        ("profile", "--trace"),
+        ("bench", "--compare"),
     ] {
         let help = huygens(folder.path(), &[command, "--help"]).stdout;
         let help = String::from_utf8(help).expect("text");

@@ -171,9 +171,13 @@ fn what_is_refused() {
     refused(
         &["pie"],
         &format!(
-            "error: invalid value 'pie' for '<TARGET>'\n  [possible values: pi, integral, \
-             product, peak, box, hemisphere]\n\n  tip: a similar value exists: 'pi'{MORE}"
+            "error: invalid value 'pie' for '<TARGET>': expected a scene file, or one of pi, \
+             integral, product, peak, box, hemisphere{MORE}"
         ),
+    );
+    refused(
+        &["pi", "--seed", "1", "--size", "8x8"],
+        "error: --size is for scenes, and pi is an integral\n",
     );
     for (option, value, place, why) in [
         ("--samples", "63", "N", "63 is not in 64..=67108864"),

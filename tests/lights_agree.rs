@@ -170,7 +170,7 @@ fn under_points_spots_and_parallel_light() {
 #[test]
 fn under_one_point() {
     let mut scene = stage();
-    scene.materials[1].emission.factor = [0.0; 3];
+    scene.materials[1].emission = [0.0; 3].into();
     scene.lights.push(light(LightKind::Point {
         position: [-0.5, 1.5, -2.5],
         intensity: [3.0, 2.0, 1.0],

@@ -4,20 +4,20 @@
 //! next-event estimation, where that is in use; both pdfs in solid angle (see `light`). Where the path's
 //! pdf is infinite, for camera rays and delta lobes, there is no other way and it weighs 1.
 //!
-//! Bytes: [`SURFACE`], [`SKY`], [`UNOCCLUDED`].
+//! Cost: [`SURFACE`], [`SKY`], [`UNOCCLUDED`].
 
 use crate::accumulate::{add, report};
+use crate::cost::{Cost, columns, item};
 use crate::lanes::{Fx, LANES, Ux, as_mask, first, gather, gather_u32, load_u32, padded};
 use crate::light::{Departure, beyond, triangle_pdf};
 use crate::mis::power_heuristic;
 use crate::queues::{Listed, OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
 use crate::surface::{self, Surface};
 use crate::tables::Tables;
-use crate::traffic::{Traffic, columns, item};
 use crate::vec3::{ColumnsMut, Vec3x};
 
-/// Bytes of a sample's radiance.
-const SAMPLE: Traffic = Traffic::new(12, 12);
+/// A sample's radiance.
+const SAMPLE: Cost = Cost::new(12, 12);
 /// Bytes of the path that weighing and adding what it found takes.
 const PATH: usize = 4 + columns::<PathsMut<'static>>(&[
     "origin",
@@ -29,21 +29,24 @@ const PATH: usize = 4 + columns::<PathsMut<'static>>(&[
     "bounces",
 ]);
 
-/// Bytes a path at an emitting surface: its place, path, hit, triangle, material (emission,
+/// A path at an emitting surface: its place, path, hit, triangle, material (emission,
 /// sides, pdf) and sample.
-pub const SURFACE: Traffic = Traffic::new(
+pub const SURFACE: Cost = Cost::new(
     PATH + item::<PathHitsMut<'static>>() + surface::TRIANGLE_BYTES + 20 + SAMPLE.read as usize,
     SAMPLE.written as usize,
-);
-/// Bytes a path that left the scene: its place, path and sample.
-pub const SKY: Traffic = Traffic::new(PATH + SAMPLE.read as usize, SAMPLE.written as usize);
-/// Bytes an occlusion ray's light: answer, slot, radiance and sample.
-pub const UNOCCLUDED: Traffic = Traffic::new(
+)
+.operations(surface::OPERATIONS + 30);
+/// A path that left the scene: its place, path and sample.
+pub const SKY: Cost =
+    Cost::new(PATH + SAMPLE.read as usize, SAMPLE.written as usize).operations(25);
+/// An occlusion ray's light: answer, slot, radiance and sample.
+pub const UNOCCLUDED: Cost = Cost::new(
     item::<OcclusionMut<'static>>()
         + columns::<ShadowsMut<'static>>(&["slot", "radiance"])
         + SAMPLE.read as usize,
     SAMPLE.written as usize,
-);
+)
+.operations(6);
 
 /// What found emission weighs: with `MIS`, the power heuristic's share; else everything, whatever
 /// the light's pdf.

@@ -16,6 +16,7 @@ use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask};
 use crate::rays::{Hits, NO_PRIMITIVE, Rays, Segments};
 use crate::triangle::{Candidates, View, main_axis, normalize_exponent};
 use crate::vec3::Columns;
+use crate::visits;
 
 /// A triangle: its index in the mesh and its corners.
 #[derive(Clone, Copy, Debug)]
@@ -80,6 +81,8 @@ pub fn occluded(triangles: &[Triangle], segments: Segments, occluded: &mut [u32]
 /// along their axes costs nothing.
 trait Visitor {
     fn visit<const MAIN: usize>(&mut self, eight: &Eight);
+    /// How many triangles each ray meets.
+    fn triangles(&self) -> usize;
 }
 
 struct ClosestOf<'a, 'b> {
@@ -89,6 +92,10 @@ struct ClosestOf<'a, 'b> {
 }
 
 impl Visitor for ClosestOf<'_, '_> {
+    fn triangles(&self) -> usize {
+        self.triangles.len()
+    }
+
     #[inline(always)]
     fn visit<const MAIN: usize>(&mut self, eight: &Eight) {
         let leaves = Ux::new(eight.id.map(|i| self.rays.leaves[i]));
@@ -122,6 +129,10 @@ struct OcclusionBy<'a, 'b> {
 }
 
 impl Visitor for OcclusionBy<'_, '_> {
+    fn triangles(&self) -> usize {
+        self.triangles.len()
+    }
+
     #[inline(always)]
     fn visit<const MAIN: usize>(&mut self, eight: &Eight) {
         let Segments {
@@ -202,6 +213,7 @@ fn deal(len: usize, origin: Columns, direction: Columns, visitor: &mut impl Visi
         for main in 0..3 {
             let axes = [(main + 1) % 3, (main + 2) % 3, main];
             for list in lists[main][..lengths[main]].chunks(LANES) {
+                visits::add(0, LANES * visitor.triangles());
                 let eight = gather(first, list, origin, direction, axes);
                 match main {
                     0 => visitor.visit::<0>(&eight),

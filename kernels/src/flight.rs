@@ -14,10 +14,11 @@
 //!
 //! Input and output: as `traverse.rs`.
 
-use crate::bvh::{Block, Bvh, LEAF, NOTHING, Node, index};
+use crate::bvh::{BLOCK, Block, Bvh, LEAF, NOTHING, Node, index};
 use crate::order::Stack;
 use crate::query::{ClosestHit, Occlusion, Prepared, Query};
 use crate::rays::{Hits, Rays, Segments};
+use crate::visits;
 
 /// Writes the closest hit of each ray.
 ///
@@ -101,6 +102,7 @@ fn fly<Q: Query, const N: usize>(bvh: Bvh, query: &mut Q) {
         }
         let turn_of_nodes = nodes.len > leaves.len;
         let turn = if turn_of_nodes {
+            visits::add(nodes.len, 0);
             for i in 0..nodes.len {
                 let slot = &mut slots[nodes.get(i)];
                 let node = &bvh.nodes[index(slot.next)];
@@ -109,6 +111,7 @@ fn fly<Q: Query, const N: usize>(bvh: Bvh, query: &mut Q) {
             }
             std::mem::take(&mut nodes.len)
         } else {
+            visits::add(0, leaves.len * BLOCK);
             for i in 0..leaves.len {
                 let slot = &mut slots[leaves.get(i)];
                 Q::visit(&mut slot.state, &slot.ray, &bvh.blocks[index(slot.next)]);

@@ -28,7 +28,7 @@ use crate::query::ClosestHit;
 use crate::rays::{Hits, NO_PRIMITIVE, Rays};
 use crate::slabs::PAD;
 use crate::triangle::{Candidates, View};
-use crate::{flight, traverse};
+use crate::{flight, traverse, visits};
 use std::ops::Range;
 
 /// The most that two slopes of a packet may differ by, along either axis. Rays farther apart share
@@ -238,6 +238,7 @@ impl Packet {
         let mut node = 0;
         stack.clear();
         loop {
+            visits::add(1, 0);
             let (hits, enter) = self.hull.test(&bvh.nodes[node], limit);
             // A child by its place, not its reference: its box is wanted too.
             let places = iota((node * WIDTH) as u32);
@@ -287,6 +288,7 @@ impl Packet {
             if lane > 0 && primitives[lane] == primitives[lane - 1] {
                 break;
             }
+            visits::add(0, LANES);
             let index = Ux::splat(primitives[lane]);
             let new = self.test(block, lane, inside);
             let own = as_mask(index.simd_eq(self.leaves));

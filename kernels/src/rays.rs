@@ -2,22 +2,22 @@
 //!
 //! All columns of a view have the same length, at least `padded(len)`.
 
+use crate::cost::{Cost, columns, item};
 use crate::lanes::{Fx, LANES, first, load};
 use crate::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
-use crate::traffic::{Traffic, columns, item};
 use crate::vec3::Columns;
 
 /// No triangle: what a ray that misses reports, and what a ray that excludes none carries.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
 
-/// Bytes a closest-hit query, the tree's not counted.
-pub const CLOSEST: Traffic = Traffic::new(
+/// A closest-hit query, the tree's not counted.
+pub const CLOSEST: Cost = Cost::new(
     columns::<PathsMut<'static>>(&["origin", "direction", "leaves"]),
     item::<PathHitsMut<'static>>(),
 );
 
-/// Bytes an occlusion query, the tree's not counted.
-pub const OCCLUSION: Traffic = Traffic::new(
+/// An occlusion query, the tree's not counted.
+pub const OCCLUSION: Cost = Cost::new(
     columns::<ShadowsMut<'static>>(&["origin", "direction", "t_max", "leaves", "reaches"]),
     item::<OcclusionMut<'static>>(),
 );

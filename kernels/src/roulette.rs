@@ -1,43 +1,47 @@
 //! Russian roulette: which paths go on.
 //!
-//! A path with throughput `T` survives with probability `q = min(2 max(T), 0.99)` and then weighs
+//! A path with throughput `T` survives with probability `q = min(g max(T), 0.99)` and then weighs
 //! `T / q`, so that the expectation stays (J. Arvo, D. Kirk, "Particle Transport and Image
-//! Synthesis", SIGGRAPH 1990). The factor keeps early bounces, which carry most of the light: with 1
-//! instead, an image of the same error took 1.2 times as long (`docs/performance.md`). The cap ends
-//! paths between perfectly white walls. Throughput that is 0 or not finite never survives.
+//! Synthesis", SIGGRAPH 1990). The gain `g`, 2 unless a render asks for another, keeps early bounces,
+//! which carry most of the light: with 1 instead, an image of the same error took 1.2 times as long
+//! (`docs/performance.md`). The cap ends paths between perfectly white walls. Throughput that is 0 or
+//! not finite never survives.
 //!
 //! The maximum depth is a rule of this stage too: a path that has scattered `limit` times may follow
 //! its last ray to a light if that is of use, else it ends. A ray of infinite pdf always is: nothing
 //! else finds what it finds.
 //!
-//! Bytes: [`TRAFFIC`] a path, and those of moving the survivors.
+//! Cost: [`COST`] a path, and that of moving the survivors.
 
 use crate::accumulate::report;
 use crate::compact::Kept;
+use crate::cost::{Cost, columns};
 use crate::lanes::{Fx, LANES, Ux, as_bits, as_mask, first, load, load_u32, padded, store_u32};
 use crate::queues::{LAST_RAY, MARKS, PathsMut};
 use crate::sampler::{Block, Sampler, block};
-use crate::traffic::{Traffic, columns};
 use crate::vec3::Vec3x;
 
-/// Bytes a path.
-pub const TRAFFIC: Traffic = Traffic::new(
+/// A path.
+pub const COST: Cost = Cost::new(
     columns::<PathsMut<'static>>(&["throughput", "pixel", "sample", "bounces"]),
     columns::<PathsMut<'static>>(&["throughput", "bounces"]),
-);
+)
+.operations(12);
 
 /// The rules of the stage.
 #[derive(Clone, Copy, Debug)]
 pub struct Rules {
     /// Whether paths end at random.
     pub random: bool,
+    /// Survival probability over throughput, positive: [`SURVIVAL_GAIN`] as a rule.
+    pub gain: f32,
     /// Scattering events after which a path ends.
     pub limit: u32,
     /// Whether the ray after the last scattering event is of use whatever its pdf.
     pub last_ray: bool,
 }
 
-/// Survival probability over throughput.
+/// The usual survival probability over throughput.
 pub const SURVIVAL_GAIN: f32 = 2.0;
 /// The largest survival probability.
 pub const SURVIVAL_CAP: f32 = 0.99;
@@ -84,7 +88,7 @@ pub fn roulette<S: Sampler>(
             let pixel = load_u32(paths.pixel, i);
             let sample = load_u32(paths.sample, i);
             let [_, _, u, _] = sampler.draw4(pixel, sample, block(vertex, Block::Direction));
-            let wish = largest * Fx::splat(SURVIVAL_GAIN);
+            let wish = largest * Fx::splat(rules.gain);
             let q = wish.fast_min(Fx::splat(SURVIVAL_CAP));
             survives &= u.simd_lt(q);
             (throughput * (Fx::ONE / q)).store(&mut paths.throughput, i);

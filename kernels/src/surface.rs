@@ -22,6 +22,8 @@ use crate::vec3::Vec3x;
 
 /// Bytes that an interaction gathers of a triangle: three indices, three vertices, the material.
 pub const TRIANGLE_BYTES: usize = 12 + 36 + 4;
+/// Operations of an interaction: edges, point and its bound, normal and its side, spawned origin.
+pub const OPERATIONS: u64 = 90;
 
 const EPSILON: f32 = 1.0 / 16_777_216.0;
 
@@ -71,13 +73,16 @@ impl Corners {
     #[inline(always)]
     #[must_use]
     pub fn unit_normal(&self) -> Vec3x {
-        let largest = self
-            .e1
-            .abs()
-            .max_component()
-            .fast_max(self.e2.abs().max_component());
-        let scale = Fx::ONE / largest;
+        let scale = self.scale();
         (self.e1 * scale).cross(self.e2 * scale).normalized()
+    }
+
+    /// What makes the largest component of the edges 1.
+    #[inline(always)]
+    #[must_use]
+    pub fn scale(&self) -> Fx {
+        let largest = self.e1.abs().max_component();
+        Fx::ONE / largest.fast_max(self.e2.abs().max_component())
     }
 
     /// The point with barycentric weights `u`, `v` of the second and third vertex, and the scale

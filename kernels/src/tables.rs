@@ -30,7 +30,7 @@ pub struct Triangles<'a> {
 }
 
 /// Material tables, one element a material.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Materials<'a> {
     /// Diffuse reflectance; of other kinds, their colour in one word.
     pub albedo: Columns<'a>,

@@ -11,10 +11,11 @@
 //! Input: as [`crate::rays`] says; a ray with a component that is not finite, or without a
 //! direction, meets nothing. Reads 28 to 36 bytes of a ray and writes 16 (closest) or 4 (occluded).
 
-use crate::bvh::{Bvh, LEAF, NOTHING, index};
+use crate::bvh::{BLOCK, Bvh, LEAF, NOTHING, index};
 use crate::order::Stack;
 use crate::query::{ClosestHit, Occlusion, Prepared, Query};
 use crate::rays::{Hits, Rays, Segments};
+use crate::visits;
 
 /// Writes the closest hit of each ray.
 ///
@@ -49,10 +50,12 @@ fn walk_one<Q: Query>(bvh: Bvh, ray: &Prepared, state: &mut Q::State, stack: &mu
     let mut next = 0;
     while next != NOTHING && !Q::settled(state) {
         if next & LEAF == 0 {
+            visits::add(1, 0);
             let node = &bvh.nodes[index(next)];
             let (hits, enter) = ray.slabs.test(node, Q::limit(state));
             stack.push::<Q>(node, hits, enter);
         } else {
+            visits::add(0, BLOCK);
             Q::visit(state, ray, &bvh.blocks[index(next)]);
         }
         next = stack.pop::<Q>(Q::limit(state));

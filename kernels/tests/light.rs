@@ -111,10 +111,10 @@ impl Scene {
             },
             materials: Materials {
                 albedo,
-                parameters: [&[0.0; 2]; huygens_kernels::tables::SLOTS],
                 emission: [&[1.0, 2.0], &[3.0, 4.0], &[5.0, 6.0]],
                 two_sided: &[0, u32::MAX],
                 area_pdf: &self.area_pdf,
+                ..Materials::default()
             },
             lights: Lights {
                 keep: &self.keep,
@@ -334,10 +334,10 @@ fn a_back_that_does_not_emit_is_no_valid_sample() {
     let mut source = Source(9);
     let materials = Materials {
         albedo: [&[0.5; 2]; 3],
-        parameters: [&[0.0; 2]; huygens_kernels::tables::SLOTS],
         emission: [&[1.0; 2]; 3],
         two_sided: &[0, 0],
         area_pdf: &scene.area_pdf,
+        ..Materials::default()
     };
     let tables = Tables {
         triangles: Triangles {
@@ -381,6 +381,7 @@ fn where_light_passes_through_the_sky_is_sampled_all_around_and_rays_start_on_it
             emission: [&[1.0; 2]; 3],
             two_sided: &[u32::MAX; 2],
             area_pdf: &[0.0; 2],
+            ..Materials::default()
         },
         lights: Lights {
             keep: &[1.0],

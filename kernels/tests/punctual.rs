@@ -26,6 +26,7 @@ fn tables<'a>(punctual: &'a [Punctual], keep: &'a [f32], source: &'a [u32]) -> T
             emission: [&[]; 3],
             two_sided: &[],
             area_pdf: &[],
+            ..Materials::default()
         },
         lights: Lights {
             keep,

@@ -150,7 +150,7 @@ pub fn difference(image: Picture, reference: Picture) -> Result<Difference, Diff
     });
     let brightness = overall(mean(&|i, c| f64::from(reference.rgb[i][c]).abs()));
     let relative = (brightness > 0.0).then(|| {
-        let floor = 0.01 * brightness * brightness;
+        let floor = floor(brightness);
         let of = |i: usize, c: usize| {
             error(i, c).powi(2) / (f64::from(reference.rgb[i][c]).powi(2) + floor)
         };
@@ -171,6 +171,12 @@ pub fn difference(image: Picture, reference: Picture) -> Result<Difference, Diff
         noise: noise.map(overall),
         noise_of,
     })
+}
+
+/// What is added to a squared reference before a squared error is divided by it, from the mean
+/// `brightness` of the reference: it keeps black pixels from dividing by nothing.
+pub(super) fn floor(brightness: f64) -> f64 {
+    0.01 * brightness * brightness
 }
 
 /// The mean over the channels of `|a - b|` of each pixel, in scanline order; none where either image

@@ -18,6 +18,8 @@
 mod difference;
 mod false_colour;
 mod fit;
+pub mod report;
+pub mod scene;
 mod study;
 mod targets;
 
@@ -26,5 +28,5 @@ pub use difference::{
 };
 pub use false_colour::{NO_NUMBER, false_colour};
 pub use fit::{Fit, log_log};
-pub use study::{Curve, End, LEVEL, Ladder, Point, Study, study};
+pub use study::{Curve, End, LEVEL, Ladder, Point, Rung, Study, study};
 pub use targets::{Estimate, Method, Problem, Target};

@@ -61,15 +61,15 @@ pub enum End {
     Stopped,
 }
 
-/// Error against cost of one estimator.
+/// Error against cost of one estimator; `P` is what is known of a rung.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Curve {
+pub struct Curve<P = Point> {
     /// The estimator.
     pub name: String,
     /// What it does, in a line.
     pub what: String,
     /// By rising number of samples.
-    pub points: Vec<Point>,
+    pub points: Vec<P>,
     /// The power of the samples that the error goes with, fitted; none of fewer than two points.
     pub slope: Option<f64>,
     /// Its interval, at level [`LEVEL`]; none of fewer than three points.
@@ -94,14 +94,40 @@ pub struct Point {
     pub bias_error: f64,
 }
 
-impl Curve {
+/// What a curve is fitted through.
+pub trait Rung {
+    /// Samples of an estimate, and its error.
+    fn samples_and_error(&self) -> (f64, f64);
+}
+
+impl Rung for Point {
+    fn samples_and_error(&self) -> (f64, f64) {
+        (self.samples as f64, self.rmse)
+    }
+}
+
+impl<P: Rung> Curve<P> {
+    /// A curve with nothing on it yet. `expected_slope` is the power of the samples that the error is
+    /// known to go with, if it is.
+    #[must_use]
+    pub fn new(name: &str, what: &str, expected_slope: Option<f64>) -> Self {
+        Self {
+            name: name.into(),
+            what: what.into(),
+            points: Vec::new(),
+            slope: None,
+            slope_interval: None,
+            expected_slope,
+        }
+    }
+
     /// The line through its error against samples.
     #[must_use]
     pub fn fit(&self) -> Option<Fit> {
-        log_log(self.points.iter().map(|p| (p.samples as f64, p.rmse)))
+        log_log(self.points.iter().map(Rung::samples_and_error))
     }
 
-    fn finish(&mut self) {
+    pub(super) fn finish(&mut self) {
         let fit = self.fit();
         self.slope = fit.map(|f| f.slope);
         self.slope_interval = fit.and_then(|f| f.slope_interval(LEVEL));
@@ -179,7 +205,7 @@ fn measure(
     })
 }
 
-fn median(values: &mut [f64]) -> f64 {
+pub(super) fn median(values: &mut [f64]) -> f64 {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;
     0.5 * (values[(values.len() - 1) / 2] + values[middle])

@@ -82,14 +82,7 @@ impl Method {
 
     /// A curve with nothing on it yet.
     pub(super) fn curve(&self) -> Curve {
-        Curve {
-            name: self.name.clone(),
-            what: self.what.clone(),
-            points: Vec::new(),
-            slope: None,
-            slope_interval: None,
-            expected_slope: self.expected_slope,
-        }
+        Curve::new(&self.name, &self.what, self.expected_slope)
     }
 }
 

@@ -13,6 +13,8 @@ pub(crate) enum Failure {
     Input(Report),
     /// Anything else.
     Other(Report),
+    /// It is slower than what it was compared with.
+    Slower(String),
     /// The user interrupted it; what is there is written, as the message says.
     Interrupted(String),
 }
@@ -44,6 +46,7 @@ impl Failure {
     pub(crate) fn code(&self) -> u8 {
         match self {
             Self::Input(_) => 2,
+            Self::Slower(_) => 3,
             Self::Other(_) => 1,
             Self::Interrupted(_) => 130,
         }
@@ -54,6 +57,7 @@ impl Failure {
     pub(crate) fn print(&self) {
         match self {
             Self::Interrupted(message) => eprintln!("interrupted: {message}"),
+            Self::Slower(message) => eprintln!("slower: {message}"),
             Self::Input(report) | Self::Other(report) => {
                 if std::io::stderr().is_terminal() {
                     eprintln!("{report:?}");

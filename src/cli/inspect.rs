@@ -5,7 +5,7 @@ mod contents;
 mod text;
 
 use crate::cli::failure::{Failure, warn};
-use crate::cli::load::load;
+use crate::cli::load::read;
 use crate::cli::options::SceneOptions;
 use crate::cli::progress::Progress;
 use crate::cli::summary::plural;
@@ -35,7 +35,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let path = &args.scene.scene;
     let progress = Progress::new(false);
-    let scene = load(&args.scene, None, args.bvh, progress)?.scene;
+    let scene = read(&args.scene, None, args.bvh, progress)?.scene;
     warn(&scene.warnings, args.scene.strict)?;
     let label = format!(
         "build over {}",

@@ -17,9 +17,26 @@ pub(crate) struct Loaded {
     pub(crate) compile_seconds: f64,
 }
 
+/// Loads a scene to be rendered: as [`read`], and refuses what cannot be rendered yet.
+pub(crate) fn load(
+    options: &SceneOptions,
+    size: Option<(u32, u32)>,
+    bvh: Option<Preset>,
+    progress: Progress,
+) -> Result<Loaded, Failure> {
+    let loaded = read(options, size, bvh, progress)?;
+    match loaded.scene.unsupported() {
+        Some(why) => Err(Failure::Input(miette::miette!(
+            "{}: {why}",
+            options.scene.display()
+        ))),
+        None => Ok(loaded),
+    }
+}
+
 /// Loads a scene on the current rayon pool; its warnings are not out yet. `size` is that of the
 /// image and `bvh` the preset of the tree, where the command line says one.
-pub(crate) fn load(
+pub(crate) fn read(
     options: &SceneOptions,
     size: Option<(u32, u32)>,
     bvh: Option<Preset>,

@@ -1,6 +1,7 @@
 //! The command line: arguments and printing, nothing else. One file a subcommand.
 
 mod accuracy;
+mod bench;
 mod diff;
 mod failure;
 mod images;
@@ -9,6 +10,7 @@ mod interrupt;
 mod load;
 mod memory;
 mod options;
+mod profile;
 mod progress;
 mod render;
 mod stats;
@@ -24,7 +26,7 @@ use std::process::ExitCode;
 #[derive(Debug, Parser)]
 #[command(version, max_term_width = 100, arg_required_else_help = true)]
 #[command(
-    after_help = "Exit codes: 0 done; 2 wrong input or usage; 130 interrupted; 1 anything else."
+    after_help = "Exit codes: 0 done; 2 wrong input or usage; 3 slower (bench); 130 interrupted; 1 anything else."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -37,6 +39,8 @@ enum Command {
     Inspect(inspect::Args),
     Accuracy(accuracy::Args),
     Diff(diff::Args),
+    Bench(bench::Args),
+    Profile(Box<profile::Args>),
 }
 
 /// Runs the command line of this process.
@@ -48,6 +52,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Inspect(args) => inspect::run(args),
         Command::Accuracy(args) => accuracy::run(args),
         Command::Diff(args) => diff::run(args),
+        Command::Bench(args) => bench::run(args),
+        Command::Profile(args) => profile::run(args),
     };
     let result = std::panic::catch_unwind(run).unwrap_or_else(|_| Err(Failure::defect()));
     match result {

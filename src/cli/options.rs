@@ -24,7 +24,7 @@ pub(crate) struct SceneOptions {
 
 /// What the image depends on. Whatever is left out comes from the scene file, or else from the
 /// defaults.
-#[derive(Debug, Default, Args)]
+#[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Image (default: what the scene file says)")]
 pub(crate) struct ImageOptions {
     /// Samples a pixel, 1 to 2147483647 [if the scene says nothing: 64]
@@ -56,9 +56,9 @@ pub(crate) struct ImageOptions {
     #[arg(long, value_name = "NAME")]
     pub(crate) sampler: Option<Sampler>,
 
-    /// Whether paths end at random by their throughput
-    #[arg(long, value_name = "on|off")]
-    pub(crate) roulette: Option<Switch>,
+    /// Whether paths end at random by their throughput; aggressive: sooner than usual
+    #[arg(long, value_name = "on|off|aggressive", hide_possible_values = true)]
+    pub(crate) roulette: Option<Roulette>,
 
     /// Seed of the random numbers, 0 to 4294967295
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
@@ -98,11 +98,12 @@ pub(crate) struct WorkOptions {
     pub(crate) tile: Option<u32>,
 }
 
-/// On or off.
+/// How readily paths end at random.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Switch {
+pub(crate) enum Roulette {
     On,
     Off,
+    Aggressive,
 }
 
 /// A maximum depth, or explicitly none (where the scene has one).
@@ -132,9 +133,31 @@ impl ImageOptions {
         s.strategy = self.strategy.unwrap_or(s.strategy);
         s.light_selection = self.light_selection.unwrap_or(s.light_selection);
         s.sampler = self.sampler.unwrap_or(s.sampler);
-        s.roulette = self.roulette.map_or(s.roulette, |r| r == Switch::On);
+        if let Some(roulette) = self.roulette {
+            s.roulette = roulette != Roulette::Off;
+            s.survival = match roulette {
+                Roulette::Aggressive => Settings::AGGRESSIVE,
+                Roulette::On | Roulette::Off => Settings::default().survival,
+            };
+        }
         s.seed = self.seed.unwrap_or(s.seed);
         s.ao_distance = self.ao_distance.or(s.ao_distance);
+    }
+
+    /// The options that were given, by name.
+    pub(crate) fn given(&self) -> Vec<&'static str> {
+        given(&[
+            ("--spp", self.spp.is_some()),
+            ("--size", self.size.is_some()),
+            ("--max-depth", self.max_depth.is_some()),
+            ("--integrator", self.integrator.is_some()),
+            ("--strategy", self.strategy.is_some()),
+            ("--sampler", self.sampler.is_some()),
+            ("--roulette", self.roulette.is_some()),
+            ("--seed", self.seed.is_some()),
+            ("--filter", self.filter.is_some()),
+            ("--ao-distance", self.ao_distance.is_some()),
+        ])
     }
 
     /// Warnings about options that do nothing for `scene`, over which they have been put.
@@ -160,6 +183,16 @@ impl ImageOptions {
 }
 
 impl WorkOptions {
+    /// The options that were given, by name.
+    pub(crate) fn given(&self) -> Vec<&'static str> {
+        given(&[
+            ("--bvh", self.bvh.is_some()),
+            ("--threads", self.threads.is_some()),
+            ("--wave", self.wave.is_some()),
+            ("--tile", self.tile.is_some()),
+        ])
+    }
+
     /// Puts these options over those of the scene.
     pub(crate) fn apply(&self, s: &mut Settings) {
         s.bvh = self.bvh.unwrap_or(s.bvh);
@@ -187,7 +220,7 @@ pub(crate) fn as_options(scene: &Scene) -> String {
         name(s.strategy.to_possible_value()),
         name(s.light_selection.to_possible_value()),
         name(s.sampler.to_possible_value()),
-        if s.roulette { "on" } else { "off" },
+        roulette(s),
         s.seed,
         name(scene.film.filter.to_possible_value()),
     );
@@ -195,6 +228,15 @@ pub(crate) fn as_options(scene: &Scene) -> String {
         text += &format!(" --ao-distance {distance}");
     }
     text
+}
+
+/// The roulette as its option says it.
+pub(crate) fn roulette(s: &Settings) -> &'static str {
+    match s {
+        _ if !s.roulette => "off",
+        _ if s.survival == Settings::AGGRESSIVE => "aggressive",
+        _ => "on",
+    }
 }
 
 fn size(text: &str) -> Result<(u32, u32), String> {
@@ -226,6 +268,25 @@ pub(crate) fn positive(text: &str) -> Result<f32, String> {
     number
         .filter(|v| v.is_finite() && *v > 0.0)
         .ok_or_else(|| "expected a finite number above 0".to_owned())
+}
+
+/// The names of those options that were given.
+pub(crate) fn given(options: &[(&'static str, bool)]) -> Vec<&'static str> {
+    let given = options.iter().filter(|(_, given)| *given);
+    given.map(|(name, _)| *name).collect()
+}
+
+/// A share above 0 and at most 1, as a number or in per cent.
+pub(crate) fn share(text: &str) -> Result<f64, String> {
+    let (number, unit) = match text.strip_suffix('%') {
+        Some(number) => (number, 100.0),
+        None => (text, 1.0),
+    };
+    let number: Option<f64> = number.trim().parse().ok();
+    number
+        .map(|n| n / unit)
+        .filter(|s| *s > 0.0 && *s <= 1.0)
+        .ok_or_else(|| "expected a share above 0 and at most 1, such as 1% or 0.01".to_owned())
 }
 
 /// Exposure in stops, between -64 and 64.
@@ -307,6 +368,16 @@ mod tests {
             "1s2",
         ] {
             assert!(time(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn shares() {
+        for (text, expected) in [("1%", 0.01), ("0.01", 0.01), ("100 %", 1.0), ("1", 1.0)] {
+            assert_eq!(share(text), Ok(expected), "{text}");
+        }
+        for wrong in ["", "%", "0", "-1%", "101%", "1.5", "nan", "one"] {
+            assert!(share(wrong).is_err(), "{wrong}");
         }
     }
 

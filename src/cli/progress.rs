@@ -62,6 +62,16 @@ impl Progress {
         (result, start.elapsed().as_secs_f64())
     }
 
+    /// A bar for work that says itself how far it is: what is being done, and the share of all that
+    /// is done. It goes when it is dropped.
+    pub(crate) fn share(self) -> Share {
+        let bar = self.bar(Some(1000), "[{wide_bar}] {percent:>3}% {msg} {elapsed}");
+        if self.visible {
+            bar.enable_steady_tick(TICK);
+        }
+        Share(bar)
+    }
+
     /// Runs `render` while a thread shows how far `control` says it is.
     pub(crate) fn render<T>(self, asked: u64, control: &Control, render: impl FnOnce() -> T) -> T {
         if !self.visible {
@@ -100,6 +110,23 @@ impl Progress {
         };
         let style = ProgressStyle::with_template(template).expect("a valid template");
         ProgressBar::with_draw_target(length, target).with_style(style.progress_chars("=> "))
+    }
+}
+
+/// A bar that is told how far the work is.
+pub(crate) struct Share(ProgressBar);
+
+impl Share {
+    /// Shows `what` is being done, and the share of all that is done.
+    pub(crate) fn show(&self, what: &str, share: f64) {
+        self.0.set_position((1000.0 * share.clamp(0.0, 1.0)) as u64);
+        self.0.set_message(what.to_owned());
+    }
+}
+
+impl Drop for Share {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
     }
 }
 

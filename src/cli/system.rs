@@ -23,6 +23,13 @@ pub(crate) fn peak_memory() -> Option<u64> {
     None
 }
 
+/// The processor's name, where the system tells.
+pub(crate) fn processor() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|l| l.starts_with("model name"))?;
+    Some(line.split_once(':')?.1.trim().to_owned())
+}
+
 /// Memory of this machine in bytes, where the system tells.
 pub(crate) fn physical_memory() -> Option<u64> {
     #[cfg(unix)]

@@ -7,6 +7,7 @@
 
 use crate::scene::Filter;
 use std::f64::consts::PI;
+use std::sync::OnceLock;
 
 /// Intervals of a table.
 pub const INTERVALS: usize = 1024;
@@ -24,6 +25,14 @@ pub fn table(filter: Filter) -> Vec<f32> {
     (0..=INTERVALS)
         .map(|k| position(filter, k as f64 / INTERVALS as f64) as f32)
         .collect()
+}
+
+/// The same, made once in the life of the process: it takes tens of milliseconds, and a study makes
+/// hundreds of renders.
+#[must_use]
+pub fn shared_table(filter: Filter) -> &'static [f32] {
+    static TABLES: [OnceLock<Vec<f32>>; 4] = [const { OnceLock::new() }; 4];
+    TABLES[filter as usize].get_or_init(|| table(filter))
 }
 
 /// Half the filter's width, in pixels.

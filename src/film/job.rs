@@ -1,6 +1,6 @@
 //! The unit of work: a tile of pixels times a range of samples, and the buffer that it fills.
 
-use huygens_kernels::traffic::Traffic;
+use huygens_kernels::cost::Cost;
 
 /// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,7 +68,7 @@ pub struct SampleBuffer {
 impl SampleBuffer {
     /// Bytes that putting a sample on the film takes: its radiance, the pixel's sums, and making it
     /// black again.
-    pub(crate) const TRAFFIC: Traffic = Traffic::new(
+    pub(crate) const COST: Cost = Cost::new(
         12 + super::Film::BYTES_PER_PIXEL,
         12 + super::Film::BYTES_PER_PIXEL,
     );

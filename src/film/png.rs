@@ -38,19 +38,45 @@ pub fn write_png(
     pixels: &[[f32; 3]],
     look: Look,
 ) -> Result<(), OutputError> {
+    write_atomically(path, |writer| encode(writer, width, height, pixels, look))
+}
+
+/// The same as bytes, for a page that holds its pictures.
+///
+/// # Errors
+/// If the sides are 0 or more than the format can say.
+///
+/// # Panics
+/// If there are not `width * height` pixels.
+pub fn png_bytes(
+    width: u32,
+    height: u32,
+    pixels: &[[f32; 3]],
+    look: Look,
+) -> image::ImageResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    encode(&mut bytes, width, height, pixels, look)?;
+    Ok(bytes)
+}
+
+fn encode(
+    writer: impl std::io::Write,
+    width: u32,
+    height: u32,
+    pixels: &[[f32; 3]],
+    look: Look,
+) -> image::ImageResult<()> {
     assert_eq!(pixels.len(), width as usize * height as usize);
     let codes: Vec<[u8; 3]> = pixels
         .iter()
         .map(|&radiance| display(radiance, look.scale, look.tone_map))
         .collect();
-    write_atomically(path, |writer| {
-        image::codecs::png::PngEncoder::new(writer).write_image(
-            codes.as_flattened(),
-            width,
-            height,
-            image::ExtendedColorType::Rgb8,
-        )
-    })
+    image::codecs::png::PngEncoder::new(writer).write_image(
+        codes.as_flattened(),
+        width,
+        height,
+        image::ExtendedColorType::Rgb8,
+    )
 }
 
 #[cfg(test)]

@@ -13,8 +13,10 @@ use super::lights;
 use super::load::GeometryFile;
 use super::material::Material;
 use super::shapes::Shapes;
+use super::surfaces::{Surfaces, bind};
+use super::texture::Store;
 use super::toml::SceneFile;
-use super::values::{NonNegative, OneOrThree, Unit};
+use super::values::{NonNegative, OneOrThree};
 use crate::settings::{Integrator, Settings};
 use glam::DAffine3;
 use std::path::Path;
@@ -37,11 +39,20 @@ pub(super) fn native(
     said: &Description,
     files: &[GeometryFile],
     imported: Vec<Imported>,
+    surfaces: Surfaces,
+    mut store: Store,
     map: Option<Pixels>,
 ) -> Result<Scene, SceneError> {
     let path = &file.path;
     let film = film(Some(&said.film));
-    let mut shapes = Shapes::new(file, said, files, imported);
+    let Surfaces {
+        mut materials,
+        wanted,
+        mut warnings,
+    } = surfaces;
+    bind(file, &mut materials, &wanted, &mut store, &mut warnings)?;
+    let mut shapes = Shapes::new(file, &materials, files, imported);
+    shapes.warnings = warnings;
     for shape in &said.shapes {
         shapes.add(shape)?;
     }
@@ -62,7 +73,7 @@ pub(super) fn native(
         lights,
         settings: settings(&said.settings),
         materials: shapes.materials,
-        textures: Vec::new(),
+        textures: store.finish(),
         warnings: with_dropped(shapes.warnings, &shapes.builder),
         mesh: shapes.builder.mesh,
     }))
@@ -76,7 +87,11 @@ const SOFT_SKY: Sky = Sky::Gradient {
 };
 
 /// Compiles a bare file of geometry: a camera that frames it, and a soft sky if it brings no light.
-pub(super) fn bare(path: &Path, imported: Vec<Imported>) -> Result<Scene, SceneError> {
+pub(super) fn bare(
+    path: &Path,
+    imported: Vec<Imported>,
+    store: Store,
+) -> Result<Scene, SceneError> {
     let mut builder = Builder::default();
     let (mut materials, mut warnings) = (Vec::new(), Vec::new());
     for mut imported in imported {
@@ -97,7 +112,7 @@ pub(super) fn bare(path: &Path, imported: Vec<Imported>) -> Result<Scene, SceneE
         lights: Vec::new(),
         settings: Settings::default(),
         materials,
-        textures: Vec::new(),
+        textures: store.finish(),
         warnings: with_dropped(warnings, &builder),
         mesh: builder.mesh,
     };
@@ -180,19 +195,6 @@ fn settings(said: &description::Settings) -> Settings {
         bvh: said.bvh.unwrap_or(default.bvh),
         ..default
     }
-}
-
-/// The materials that a scene file names.
-pub(super) fn materials(said: &Description) -> Vec<Material> {
-    let material = |(name, m): (&String, &description::Material)| Material {
-        two_sided: m.two_sided,
-        ..Material::diffuse(name, reflectance(m.albedo), radiance(m.emission))
-    };
-    said.materials.iter().map(material).collect()
-}
-
-fn reflectance(colour: OneOrThree<Unit>) -> [f32; 3] {
-    colour.0.map(|c| c.0 as f32)
 }
 
 pub(super) fn radiance(colour: OneOrThree<NonNegative>) -> [f32; 3] {

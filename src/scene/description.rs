@@ -3,6 +3,7 @@
 
 use super::compiled::Filter;
 use super::import::{Counts, Format};
+use super::surfaces::Material;
 use super::transform::Transform;
 use super::values::{
     Angle, Count, FieldOfView, Finite, Natural, NonNegative, OneOrThree, Pixels, Positive, Radius,
@@ -24,7 +25,7 @@ pub(super) struct Description {
     pub(super) settings: Settings,
     pub(super) sky: Option<Spanned<Sky>>,
     pub(super) lights: Vec<Spanned<Light>>,
-    pub(super) materials: BTreeMap<String, Material>,
+    pub(super) materials: BTreeMap<String, Spanned<Material>>,
     pub(super) shapes: Vec<Spanned<Shape>>,
 }
 
@@ -163,26 +164,6 @@ pub(super) struct Sun {
     pub(super) from: Spanned<[Finite; 3]>,
     #[serde(default)]
     pub(super) angle: Option<Angle>,
-}
-
-/// `[materials.NAME]`
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-#[serde(expecting = "a table such as { albedo = 0.5 }")]
-pub(super) struct Material {
-    pub(super) albedo: OneOrThree<Unit>,
-    pub(super) emission: OneOrThree<NonNegative>,
-    pub(super) two_sided: bool,
-}
-
-impl Default for Material {
-    fn default() -> Self {
-        Self {
-            albedo: OneOrThree([Unit(0.5); 3]),
-            emission: OneOrThree([NonNegative(0.0); 3]),
-            two_sided: false,
-        }
-    }
 }
 
 /// `[[shapes]]`: exactly one of the first five, which `shapes` checks.

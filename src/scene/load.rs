@@ -9,6 +9,8 @@ use super::import::panorama::{self, Pixels};
 use super::import::{Counts, Format, Imported};
 use super::lights;
 use super::shapes::Shapes;
+use super::surfaces::{self, Surfaces};
+use super::texture::Store;
 use super::toml::SceneFile;
 use crate::settings::Preset;
 use rayon::prelude::*;
@@ -20,11 +22,19 @@ use std::sync::atomic::AtomicU64;
 #[derive(Debug)]
 pub struct Source {
     pub(super) path: PathBuf,
-    pub(super) native: Option<(SceneFile, Description)>,
+    pub(super) native: Option<Native>,
     /// Each once, in the order of their first mention.
     pub(super) files: Vec<GeometryFile>,
     /// The sky's map, if it has one.
     sky: Option<PathBuf>,
+}
+
+/// A native scene's own file.
+#[derive(Debug)]
+pub(super) struct Native {
+    file: SceneFile,
+    said: Description,
+    surfaces: Surfaces,
 }
 
 /// A file of geometry.
@@ -44,6 +54,7 @@ pub struct Parsed {
     source: Source,
     /// Of each of the source's files.
     imported: Vec<Imported>,
+    store: Store,
     sky: Option<Pixels>,
 }
 
@@ -74,7 +85,8 @@ impl Source {
         let file = SceneFile::read(path)?;
         let said = file.parse()?;
         let mut files: Vec<GeometryFile> = Vec::new();
-        let shapes = Shapes::new(&file, &said, &[], Vec::new());
+        let surfaces = surfaces::compile(&file, &said.materials)?;
+        let shapes = Shapes::new(&file, &surfaces.materials, &[], Vec::new());
         for shape in &said.shapes {
             shapes.check(shape)?;
             let Some((name, format)) = shape.get_ref().file() else {
@@ -98,7 +110,11 @@ impl Source {
         Ok(Self {
             sky,
             path: path.to_owned(),
-            native: Some((file, said)),
+            native: Some(Native {
+                file,
+                said,
+                surfaces,
+            }),
             files,
         })
     }
@@ -112,13 +128,16 @@ impl Source {
     /// The film that the scene asks for.
     #[must_use]
     pub fn film(&self) -> FilmSpec {
-        compile::film(self.native.as_ref().map(|(_, said)| &said.film))
+        compile::film(self.native.as_ref().map(|native| &native.said.film))
     }
 
     /// The preset of the tree that the scene asks for.
     #[must_use]
     pub fn bvh(&self) -> Preset {
-        let said = self.native.as_ref().and_then(|(_, said)| said.settings.bvh);
+        let said = self
+            .native
+            .as_ref()
+            .and_then(|native| native.said.settings.bvh);
         said.unwrap_or_default()
     }
 
@@ -139,7 +158,7 @@ impl Source {
             })
         };
         let counts: Vec<Result<Counts, SceneError>> = self.files.par_iter().map(count).collect();
-        let inline = self.native.iter().flat_map(|(_, said)| &said.shapes);
+        let inline = self.native.iter().flat_map(|native| &native.said.shapes);
         let mut all = inline
             .map(|shape| shape.get_ref().counts())
             .fold(Counts::default(), |a, b| a + b);
@@ -149,20 +168,28 @@ impl Source {
         Ok(all)
     }
 
-    /// Reads the files of geometry in parallel, each once, on the current rayon pool; `read` grows
-    /// by the bytes read. The result does not depend on the number of threads.
+    /// Reads the files of geometry, then the textures, in parallel, each once, on the current rayon
+    /// pool; `read` grows by the bytes of geometry read. The result does not depend on the number of threads.
     ///
     /// # Errors
     /// What is wrong with the first of them that is wrong.
     pub fn parse(self, read: &AtomicU64) -> Result<Parsed, SceneError> {
         let load = |file: &GeometryFile| file.format.load(&file.path, read);
         let loaded: Vec<Result<Imported, SceneError>> = self.files.par_iter().map(load).collect();
-        let imported = loaded.into_iter().collect::<Result<_, _>>()?;
+        let mut imported = loaded.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let own = self.native.iter().flat_map(|n| &n.surfaces.wanted);
+        let own = own.map(|wanted| &wanted.request);
+        let wanted = own.chain(imported.iter().flat_map(|i| &i.textures));
+        let mut store = Store::load(wanted);
+        for imported in &mut imported {
+            surfaces::bind_imported(imported, &mut store);
+        }
         let sky = self.sky.as_deref().map(panorama::load).transpose()?;
         Ok(Parsed {
             sky,
             source: self,
             imported,
+            store,
         })
     }
 }
@@ -174,11 +201,23 @@ impl Parsed {
     /// What can only be told with the geometry at hand: a material that a file does not have, a
     /// vertex that its transformation takes out of range.
     pub fn compile(self) -> Result<Scene, SceneError> {
-        match &self.source.native {
-            Some((file, said)) => {
-                compile::native(file, said, &self.source.files, self.imported, self.sky)
-            }
-            None => compile::bare(&self.source.path, self.imported),
+        let Source {
+            path,
+            native,
+            files,
+            ..
+        } = self.source;
+        match native {
+            Some(native) => compile::native(
+                &native.file,
+                &native.said,
+                &files,
+                self.imported,
+                native.surfaces,
+                self.store,
+                self.sky,
+            ),
+            None => compile::bare(&path, self.imported, self.store),
         }
     }
 }

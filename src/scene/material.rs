@@ -1,6 +1,8 @@
 //! Materials as a compiled scene holds them: what a surface does with light, in the units of the
 //! scene format (`docs/scene-format.md`), with references to textures by index.
 
+pub use huygens_kernels::texture::{Channel, TexelFilter, TextureUse, Wrap};
+
 /// A number or colour that may vary over a surface: `factor` times the texel, component by
 /// component; `factor` alone without a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,66 +27,6 @@ impl<T> From<T> for Textured<T> {
     fn from(factor: T) -> Self {
         Self::constant(factor)
     }
-}
-
-/// How a material reads a texture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TextureUse {
-    /// Index into [`super::Scene::textures`].
-    pub texture: u32,
-    /// Which of the texel's channels: a colour takes [`Channel::Colour`], a number one of the
-    /// others.
-    pub channel: Channel,
-    /// From the surface's (u, v) to the texture's: rows of an affine transformation,
-    /// `u' = uv[0][0] u + uv[0][1] v + uv[0][2]`. The texture's (0, 0) is the lower left corner of
-    /// the image and (1, 1) the upper right.
-    pub uv: [[f32; 3]; 2],
-    /// What lies beyond the image, across and up.
-    pub wrap: [Wrap; 2],
-    /// What lies between texels.
-    pub filter: TexelFilter,
-}
-
-impl TextureUse {
-    /// The (u, v) of the surface as they are.
-    pub const IDENTITY: [[f32; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
-}
-
-/// Which channels of a texel are read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Channel {
-    /// Red, green and blue.
-    Colour,
-    /// Red; of a grey image, its grey.
-    Red,
-    /// Green; of a grey image, its grey.
-    Green,
-    /// Blue; of a grey image, its grey.
-    Blue,
-    /// Opacity; 1 where the image has none.
-    Alpha,
-}
-
-/// What lies beyond the edges of an image.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wrap {
-    /// The image again.
-    #[default]
-    Repeat,
-    /// The image again, every other one mirrored.
-    Mirror,
-    /// Its outermost texels.
-    Clamp,
-}
-
-/// What lies between texels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TexelFilter {
-    /// A linear mixture of the four around, and of two mip levels.
-    #[default]
-    Linear,
-    /// The nearest texel of the whole image, without mip levels.
-    Nearest,
 }
 
 /// A surface.

@@ -20,10 +20,12 @@ mod load;
 pub mod material;
 mod projection;
 mod shapes;
+mod surfaces;
 pub mod texture;
 mod toml;
 mod transform;
 mod triangulate;
+mod unsupported;
 mod values;
 
 pub use compiled::{Camera, Extent, FilmSpec, Filter, Lens, Mesh, Projection, Scene};

@@ -1,8 +1,7 @@
 //! Shapes of a scene file to triangles in world space.
 
 use super::builder::{Builder, Placed};
-use super::compile;
-use super::description::{Cuboid, Description, InlineMesh, Rectangle, Shape};
+use super::description::{Cuboid, InlineMesh, Rectangle, Shape};
 use super::error::SceneError;
 use super::import::{Imported, mtl};
 use super::load::GeometryFile;
@@ -43,11 +42,10 @@ impl<'a> Shapes<'a> {
     /// that, shapes can be checked but not added.
     pub(super) fn new(
         file: &'a SceneFile,
-        said: &Description,
+        materials: &[Material],
         files: &'a [GeometryFile],
         imported: Vec<Imported>,
     ) -> Self {
-        let materials = compile::materials(said);
         let named = materials
             .iter()
             .enumerate()
@@ -61,7 +59,7 @@ impl<'a> Shapes<'a> {
         Self {
             file,
             builder: Builder::default(),
-            materials,
+            materials: materials.to_vec(),
             warnings: Vec::new(),
             named,
             files,

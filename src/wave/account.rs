@@ -9,8 +9,9 @@ use super::instruments::{Instruments, Recorder, Timeline};
 use super::stats::{BounceStats, Dropped, StageStats};
 use super::tally::{ROWS, Tally};
 use crate::effects::Shader;
+use huygens_kernels::cost::Cost;
 use huygens_kernels::lanes::padded;
-use huygens_kernels::traffic::Traffic;
+use huygens_kernels::visits::{self, NODE_OPERATIONS, TRIANGLE_OPERATIONS, Visits};
 use std::time::Instant;
 
 /// The stages, in the order of the loop.
@@ -91,7 +92,8 @@ struct Entry {
     calls: u64,
     seconds: f64,
     lanes_issued: u64,
-    traffic: Traffic,
+    cost: Cost,
+    visits: Visits,
     counted: Option<Reading>,
     rows: Rows,
 }
@@ -129,16 +131,11 @@ impl Account {
 
     /// Books one call of `stage`, which ends now and began where the last one ended. Time goes to
     /// the bounces by items in (by items out where nothing comes in).
-    pub(crate) fn book(
-        &mut self,
-        stage: Stage,
-        items_in: &Tally,
-        items_out: &Tally,
-        traffic: Traffic,
-    ) {
+    pub(crate) fn book(&mut self, stage: Stage, items_in: &Tally, items_out: &Tally, cost: Cost) {
         let end = Instant::now();
         let start = std::mem::replace(&mut self.lap, end);
-        let seconds = (end - start).as_secs_f64();
+        let wall = (end - start).as_secs_f64();
+        let seconds = self.recorder.processor_seconds().unwrap_or(wall);
         let entry = &mut self.entries[stage.index()];
         let by = if items_in.total > 0 {
             items_in
@@ -148,7 +145,11 @@ impl Account {
         entry.calls += 1;
         entry.seconds += seconds;
         entry.lanes_issued += padded(by.total()) as u64;
-        entry.traffic = entry.traffic + traffic;
+        let visits = visits::take();
+        let walked = visits.nodes * NODE_OPERATIONS + visits.triangles * TRIANGLE_OPERATIONS;
+        entry.cost = entry.cost + cost.operations(cost.operations + walked);
+        entry.visits.nodes += visits.nodes;
+        entry.visits.triangles += visits.triangles;
         let each = seconds / f64::from(by.total.max(1));
         for row in 0..items_in.depth.max(items_out.depth) {
             let r = &mut entry.rows.0[row];
@@ -184,7 +185,9 @@ impl Account {
             a.calls += b.calls;
             a.seconds += b.seconds;
             a.lanes_issued += b.lanes_issued;
-            a.traffic = a.traffic + b.traffic;
+            a.cost = a.cost + b.cost;
+            a.visits.nodes += b.visits.nodes;
+            a.visits.triangles += b.visits.triangles;
             if let Some(counted) = b.counted {
                 add_counted(&mut a.counted, counted);
             }
@@ -230,8 +233,11 @@ impl Account {
                 items_out: sum(|r| r.items_out),
                 lanes_busy: sum(|r| r.lanes_busy),
                 lanes_issued: e.lanes_issued,
-                bytes_read: e.traffic.read,
-                bytes_written: e.traffic.written,
+                bytes_read: e.cost.read,
+                bytes_written: e.cost.written,
+                operations: e.cost.operations,
+                nodes_visited: visits::COUNTED.then_some(e.visits.nodes),
+                triangles_visited: visits::COUNTED.then_some(e.visits.triangles),
                 bounces: e.rows.0[..depth.map_or(0, |d| d + 1)].to_vec(),
                 counted: e.counted,
             }
@@ -286,7 +292,7 @@ mod tests {
     fn apportioned_seconds_add_up() {
         let mut account = Account::new(&Instruments::default(), Instant::now());
         let tally = Tally::of(&[2, 2, 1, 0, 0, 0, 0], 0);
-        account.book(Stage::Intersect, &tally, &tally, Traffic::new(3, 4) * 7);
+        account.book(Stage::Intersect, &tally, &tally, Cost::new(3, 4) * 7);
         let stages = account.report();
         assert_eq!((stages[0].bytes_read, stages[0].bytes_written), (21, 28));
         let parts: f64 = stages[0].bounces.iter().map(|b| b.seconds).sum();

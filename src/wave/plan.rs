@@ -44,8 +44,8 @@ pub struct QueuePlan {
 pub fn plan(scene: &Scene, geometry: &Geometry, settings: &Settings) -> Plan {
     let effects = Effects::of(scene, settings);
     let tables = SceneTables::new(scene, settings);
-    let filter = filter::table(scene.film.filter);
-    let setup = Setup::new(scene, &effects, &tables, geometry, settings, &filter);
+    let filter = filter::shared_table(scene.film.filter);
+    let setup = Setup::new(scene, &effects, &tables, geometry, settings, filter);
     let wave = Wave::new(&setup, &Instruments::default(), Instant::now());
     Plan {
         stages: Stage::all()

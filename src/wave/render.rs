@@ -60,9 +60,9 @@ pub fn render_with(
         Accounts::new(workers.into_iter().map(|(o, s)| (o.account, s)), start)
     } else {
         let tables = SceneTables::new(scene, settings);
-        let filter = filter::table(scene.film.filter);
+        let filter = filter::shared_table(scene.film.filter);
         let effects = Effects::of(scene, settings);
-        let setup = Setup::new(scene, &effects, &tables, geometry, settings, &filter);
+        let setup = Setup::new(scene, &effects, &tables, geometry, settings, filter);
         let worker = || Wave::new(&setup, instruments, start);
         let workers = scheduler::run(film, settings, control, worker);
         Accounts::new(workers.into_iter().map(|(w, s)| (w.account, s)), start)

@@ -101,7 +101,7 @@ pub(crate) fn run<W: Worker>(
         let start = Instant::now();
         let mut worker = worker();
         let mut samples = SampleBuffer::new(jobs.slots());
-        while !control.stop.load(Ordering::Relaxed) {
+        while !control.stops() {
             let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) else {
                 break;
             };

@@ -77,6 +77,7 @@ impl<'a> Setup<'a> {
             wanted: program.wanted(effects),
             rules: Rules {
                 random: settings.roulette,
+                gain: settings.survival,
                 limit,
                 last_ray: program.last_ray_is_of_use(),
             },

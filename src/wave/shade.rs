@@ -92,7 +92,7 @@ impl Program {
             // Where nothing is, nothing occludes.
             sky: match self {
                 Self::Ambient { .. } => true,
-                _ => transport && effects.sky,
+                _ => transport && effects.beyond,
             },
             emission: transport && effects.emission,
             unsampled_only: self == Self::Light,
@@ -160,13 +160,7 @@ pub(crate) fn plain(
         } => {
             with_sampler!(sampler, s => scatter::<Uniform, LightsAlone, _>(listed, tables, s, out));
         }
-        Program::Blind {
-            uniform: false,
-            delta: true,
-        } => {
-            with_sampler!(sampler, s => scatter::<Cosine, LightsAlone, _>(listed, tables, s, out));
-        }
-        Program::Light => {
+        Program::Light | Program::Blind { delta: true, .. } => {
             with_sampler!(sampler, s => scatter::<Cosine, LightsAlone, _>(listed, tables, s, out));
         }
         Program::Mis => {

@@ -8,15 +8,15 @@ use super::plan::QueuePlan;
 use super::setup::Setup;
 use super::tally::{Tally, for_each_run};
 use huygens_kernels::bsdf;
+use huygens_kernels::cost::Cost;
 use huygens_kernels::lanes::LANES;
 use huygens_kernels::queues::{LAST_RAY, Listed, PathHits, Paths};
 use huygens_kernels::rays::NO_PRIMITIVE;
-use huygens_kernels::traffic::Traffic;
 
 /// Bytes a path: primitive, bounces and material.
-pub(crate) const READ: Traffic = Traffic::new(12, 0);
+pub(crate) const READ: Cost = Cost::new(12, 0);
 /// Bytes an entry of a list.
-pub(crate) const WRITTEN: Traffic = Traffic::new(0, 4);
+pub(crate) const WRITTEN: Cost = Cost::new(0, 4);
 
 /// Indices into the path queue, with room for one vector of padding.
 pub(crate) struct IndexList {

@@ -6,13 +6,13 @@ use super::tally::Tally;
 use super::{Wave, intersect, roulette, shade, sort};
 use crate::effects::Shader;
 use crate::film::{Job, SampleBuffer};
+use huygens_kernels::cost::{Cost, item};
 use huygens_kernels::emission::{SKY, SURFACE, UNOCCLUDED};
 use huygens_kernels::queues::PathsMut;
 use huygens_kernels::rays::{CLOSEST, OCCLUSION};
 use huygens_kernels::scatter::interact::INTERACT;
 use huygens_kernels::scatter::light_up::LIGHT_UP;
 use huygens_kernels::scatter::{Out, plain, respond};
-use huygens_kernels::traffic::{Traffic, item};
 use huygens_kernels::{camera, roulette as roulette_kernel};
 
 impl Wave<'_> {
@@ -22,9 +22,9 @@ impl Wave<'_> {
         if new > 0 {
             let mut out = Tally::default();
             out.add(0, new);
-            let traffic = camera::TRAFFIC * new;
+            let cost = camera::COST * new;
             let nothing = Tally::default();
-            self.account.book(Stage::Generate, &nothing, &out, traffic);
+            self.account.book(Stage::Generate, &nothing, &out, cost);
         }
     }
 
@@ -50,9 +50,9 @@ impl Wave<'_> {
         self.lists
             .sort(n, paths, hits, material, &setup.routes, setup.wanted);
         let listed = self.lists.tally();
-        let traffic = sort::READ * n + sort::WRITTEN * listed.total();
+        let cost = sort::READ * n + sort::WRITTEN * listed.total();
         let sorted = Tally::of(&paths.bounces[..n], 0);
-        self.account.book(Stage::Sort, &sorted, &listed, traffic);
+        self.account.book(Stage::Sort, &sorted, &listed, cost);
     }
 
     /// Adds the light that paths find by themselves.
@@ -73,8 +73,8 @@ impl Wave<'_> {
             shade::emission(program, list.of(paths, hits), tables, samples, |slot| {
                 account.drop_sample(Stage::Emission.name(), job.sample_of(slot));
             });
-            let traffic = SURFACE * list.len();
-            account.book(Stage::Emission, &list.tally, &nothing, traffic);
+            let cost = SURFACE * list.len();
+            account.book(Stage::Emission, &list.tally, &nothing, cost);
         }
     }
 
@@ -97,7 +97,7 @@ impl Wave<'_> {
             let (stage, listed, tally) =
                 (Stage::Scatter(shader), list.of(paths, hits), &list.tally);
             let before = (out.path_len, out.shadow_len);
-            let traffic = match &mut self.surfaces {
+            let cost = match &mut self.surfaces {
                 Some(surfaces) if shader != Shader::Plain => {
                     surfaces.interact(listed, tables, sampler);
                     account.book(Stage::Interact, tally, tally, INTERACT * list.len());
@@ -125,8 +125,8 @@ impl Wave<'_> {
             };
             let on = Tally::of(&out.paths.bounces[before.0..out.path_len], 0);
             let cast = Tally::of(&out.shadows.bounces[before.1..out.shadow_len], 0);
-            let traffic = traffic[0] * on.total() + traffic[1] * cast.total();
-            account.book(stage, tally, &on.plus(&cast), traffic);
+            let cost = cost[0] * on.total() + cost[1] * cast.total();
+            account.book(stage, tally, &on.plus(&cast), cost);
         }
         let (on, cast) = (out.path_len, out.shadow_len);
         self.scattered.set_len(on);
@@ -152,8 +152,8 @@ impl Wave<'_> {
             account.lose_ray(Stage::Occlude.name(), job.sample_of(slot));
         }
         let cast = Tally::of(&self.shadows.view().bounces[..n], 0);
-        let traffic = (OCCLUSION + UNOCCLUDED) * n;
-        account.book(Stage::Occlude, &cast, &Tally::default(), traffic);
+        let cost = (OCCLUSION + UNOCCLUDED) * n;
+        account.book(Stage::Occlude, &cast, &Tally::default(), cost);
     }
 
     pub(super) fn roulette(&mut self, job: &Job) {
@@ -174,9 +174,9 @@ impl Wave<'_> {
         let on = Tally::of(&self.scattered.view().bounces[..n], 0);
         let left = Tally::of(&self.paths.view().bounces[..survivors], 0);
         let moved = item::<PathsMut<'static>>();
-        let traffic = (roulette_kernel::TRAFFIC + Traffic::new(moved, 0)) * n
-            + Traffic::new(0, moved) * survivors;
-        account.book(Stage::Roulette, &on, &left, traffic);
+        let cost =
+            (roulette_kernel::COST + Cost::new(moved, 0)) * n + Cost::new(0, moved) * survivors;
+        account.book(Stage::Roulette, &on, &left, cost);
     }
 
     pub(super) fn commit(&mut self, samples: usize, left_out: &[(u32, u32, u32)]) {
@@ -185,8 +185,8 @@ impl Wave<'_> {
         }
         let mut tally = Tally::default();
         tally.add(0, samples);
-        let traffic = SampleBuffer::TRAFFIC * samples;
+        let cost = SampleBuffer::COST * samples;
         self.account
-            .book(Stage::Film, &tally, &Tally::default(), traffic);
+            .book(Stage::Film, &tally, &Tally::default(), cost);
     }
 }

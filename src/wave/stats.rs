@@ -39,6 +39,62 @@ pub struct RenderStats {
     pub timelines: Vec<Timeline>,
 }
 
+impl RenderStats {
+    /// Adds another render, as if its workers had gone on with it: all that is counted or timed is
+    /// summed up; timelines are those of the first.
+    pub fn add(&mut self, other: Self) {
+        if self.threads == 0 {
+            *self = other;
+            return;
+        }
+        self.seconds += other.seconds;
+        self.cpu_seconds = self.cpu_seconds.zip(other.cpu_seconds).map(|(a, b)| a + b);
+        self.worker_seconds += other.worker_seconds;
+        self.samples += other.samples;
+        self.camera_rays += other.camera_rays;
+        self.bounce_rays += other.bounce_rays;
+        self.shadow_rays += other.shadow_rays;
+        self.mean_depth = self.bounce_rays as f64 / self.camera_rays.max(1) as f64;
+        self.stopped |= other.stopped;
+        for stage in other.stages {
+            match self.stages.iter_mut().find(|s| s.name == stage.name) {
+                Some(own) => own.add(&stage),
+                None => self.stages.push(stage),
+            }
+        }
+        self.dropped.extend(other.dropped);
+    }
+}
+
+impl StageStats {
+    fn add(&mut self, other: &Self) {
+        self.calls += other.calls;
+        self.seconds += other.seconds;
+        self.items_in += other.items_in;
+        self.items_out += other.items_out;
+        self.lanes_busy += other.lanes_busy;
+        self.lanes_issued += other.lanes_issued;
+        self.bytes_read += other.bytes_read;
+        self.bytes_written += other.bytes_written;
+        self.operations += other.operations;
+        let sum = |a: Option<u64>, b: Option<u64>| a.zip(b).map(|(a, b)| a + b);
+        self.nodes_visited = sum(self.nodes_visited, other.nodes_visited);
+        self.triangles_visited = sum(self.triangles_visited, other.triangles_visited);
+        let depth = self.bounces.len().max(other.bounces.len());
+        self.bounces.resize(depth, BounceStats::default());
+        for (a, b) in self.bounces.iter_mut().zip(&other.bounces) {
+            a.items_in += b.items_in;
+            a.items_out += b.items_out;
+            a.lanes_busy += b.lanes_busy;
+            a.seconds += b.seconds;
+        }
+        self.counted = match (self.counted, other.counted) {
+            (Some(a), Some(b)) => Some(std::array::from_fn(|i| a[i] + b[i])),
+            (a, b) => a.or(b),
+        };
+    }
+}
+
 /// One stage over the whole render, all workers added up.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct StageStats {
@@ -60,6 +116,13 @@ pub struct StageStats {
     pub bytes_read: u64,
     /// Bytes written to queues and samples, as the kernels declare them.
     pub bytes_written: u64,
+    /// Operations on `f32`, as the kernels declare them; those of traversal only where visits are
+    /// counted.
+    pub operations: u64,
+    /// Nodes of the tree that rays were tested against, in builds that count it (feature `visits`).
+    pub nodes_visited: Option<u64>,
+    /// The same for triangles, unused places of blocks among them.
+    pub triangles_visited: Option<u64>,
     /// The same by bounce: element `b` is for paths that have scattered `b` times; the last one
     /// also holds all deeper ones.
     pub bounces: Vec<BounceStats>,

@@ -19,9 +19,19 @@
 use crate::lanes::{Fx, Mask};
 use crate::vec3::Vec3x;
 
+mod conductor;
+mod dielectric;
 mod diffuse;
+mod energy;
+pub mod fresnel;
+mod ggx;
+mod refraction;
 
+pub use conductor::{RoughConductor, SmoothConductor};
+pub use dielectric::{RoughDielectric, SmoothDielectric};
 pub use diffuse::{Lambert, RoughDiffuse};
+pub use energy::{ReflectionEnergy, TransmissionEnergy};
+pub use ggx::ALPHA_FLOOR;
 
 /// The pdf of a direction out of a delta distribution: light sampling cannot find it, so the power
 /// heuristic gives it the weight 1, which it does with this number and no branch.

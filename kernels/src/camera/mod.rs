@@ -7,7 +7,7 @@
 //! Each [`Projection`] is compiled into an instance of the kernel of its own: four, times the
 //! samplers. Which one runs is decided once a call.
 //!
-//! Bytes: [`TRAFFIC`].
+//! Cost: [`COST`].
 
 mod orthographic;
 mod panorama;
@@ -19,17 +19,17 @@ pub use panorama::Panorama;
 pub use perspective::Perspective;
 pub use thin_lens::ThinLens;
 
+use crate::cost::{Cost, item};
 use crate::filter;
 use crate::lanes::{Fx, LANES, Ux, iota, padded, store, store_u32, to_f32};
 use crate::queues::{LAST_RAY, PathsMut};
 use crate::rays::NO_PRIMITIVE;
 use crate::sampler::{CAMERA_BLOCK, Sampler};
-use crate::traffic::{Traffic, item};
 use crate::vec3::Vec3x;
 use std::ops::Range;
 
-/// Bytes a camera ray.
-pub const TRAFFIC: Traffic = Traffic::new(0, item::<PathsMut<'static>>());
+/// A camera ray.
+pub const COST: Cost = Cost::new(0, item::<PathsMut<'static>>()).operations(40);
 
 /// From points of the image to rays.
 pub trait Projection: Copy {

@@ -4,22 +4,23 @@
 //! Bytes: [`INTERACT`].
 
 use super::draw;
+use crate::cost::{Cost, columns, item};
 use crate::hemisphere::Frame;
 use crate::lanes::{Ux, as_bits, gather, gather_u32, store, store_u32};
 use crate::queues::{DrawnMut, Listed, PathHitsMut, PathsMut, SurfacesMut};
 use crate::sampler::{Block, Sampler};
 use crate::surface::{self, Corners, clearance};
 use crate::tables::Tables;
-use crate::traffic::{Traffic, columns, item};
 use crate::vec3::Vec3x;
 
 /// Bytes a path: its place, direction and identity, hit and triangle read; a row written.
-pub const INTERACT: Traffic = Traffic::new(
+pub const INTERACT: Cost = Cost::new(
     4 + columns::<PathsMut<'static>>(&["direction", "slot", "pixel", "sample", "bounces"])
         + item::<PathHitsMut<'static>>()
         + surface::TRIANGLE_BYTES,
     item::<SurfacesMut<'static>>() + item::<DrawnMut<'static>>(),
-);
+)
+.operations(surface::OPERATIONS);
 
 /// Writes what the listed paths met, and the numbers that they use there, row by row of the list.
 pub fn interact<S: Sampler>(

@@ -5,24 +5,25 @@
 //!
 //! Bytes: [`LIGHT_UP`].
 
+use crate::cost::{Cost, columns, item};
 use crate::lanes::{Fx, LANES, Ux, as_mask, load, padded, store, store_u32};
 use crate::light::sample_light;
 use crate::queues::{Drawn, DrawnMut, LitMut, Surfaces, SurfacesMut};
 use crate::surface::{self, Anchor};
 use crate::tables::Tables;
-use crate::traffic::{Traffic, columns, item};
 use crate::vec3::Vec3x;
 
 /// Bytes a row: surface, numbers, the light's entry (12), triangle and material (20) read; the
 /// sample written.
-pub const LIGHT_UP: Traffic = Traffic::new(
+pub const LIGHT_UP: Cost = Cost::new(
     columns::<SurfacesMut<'static>>(&["point", "clearance", "normal"])
         + columns::<DrawnMut<'static>>(&["select", "keep", "u", "v"])
         + 12
         + surface::TRIANGLE_BYTES
         + 20,
     item::<LitMut<'static>>(),
-);
+)
+.operations(130);
 
 /// Samples a light for each of the first `n` rows, on both sides of surfaces that light `passes`
 /// through. At least one light must exist.

@@ -16,6 +16,7 @@
 
 use super::{Directions, NextEvent, Out, draw};
 use crate::compact::Kept;
+use crate::cost::{Cost, columns, item};
 use crate::hemisphere::to_world;
 use crate::lanes::{Fx, Ux, as_mask, store, store_u32};
 use crate::light::sample_light;
@@ -24,12 +25,11 @@ use crate::queues::{Listed, PathHitsMut, PathsMut, ShadowsMut};
 use crate::sampler::{Block, Sampler};
 use crate::surface::{self, Surface};
 use crate::tables::Tables;
-use crate::traffic::{Traffic, columns, item};
 use crate::vec3::Vec3x;
 
 /// Bytes a scattered path: its place, direction, throughput and identity, hit, triangle and albedo
 /// read; the path written.
-pub const SCATTER: Traffic = Traffic::new(
+pub const SCATTER: Cost = Cost::new(
     4 + columns::<PathsMut<'static>>(&[
         "direction",
         "throughput",
@@ -41,12 +41,14 @@ pub const SCATTER: Traffic = Traffic::new(
         + surface::TRIANGLE_BYTES
         + 12,
     item::<PathsMut<'static>>(),
-);
+)
+.operations(surface::OPERATIONS + 90);
 /// Bytes an occlusion ray: the light's entry (12), triangle and material (20) read; the ray written.
-pub const SHADOW: Traffic = Traffic::new(
+pub const SHADOW: Cost = Cost::new(
     12 + surface::TRIANGLE_BYTES + 20,
     item::<ShadowsMut<'static>>(),
-);
+)
+.operations(130);
 
 /// Scatters the listed paths behind the paths and occlusion rays that `out` already holds.
 pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(

@@ -14,6 +14,7 @@
 use super::{NextEvent, Out};
 use crate::bsdf::Bsdf;
 use crate::compact::Kept;
+use crate::cost::{Cost, columns, item};
 use crate::hemisphere::Frame;
 use crate::lanes::{Fx, LANES, Mask, Ux, as_mask, first, load, load_u32, padded, store, store_u32};
 use crate::mis::power_heuristic;
@@ -21,19 +22,18 @@ use crate::queues::{
     BOTH_SIDES, Drawn, DrawnMut, Listed, Lit, LitMut, PathsMut, ShadowsMut, Surfaces, SurfacesMut,
 };
 use crate::tables::{Materials, Parameters};
-use crate::traffic::{Traffic, columns, item};
 use crate::vec3::Vec3x;
 
 /// Bytes a row: surface, numbers, path and hit read; the scattered path written. The parameters of
 /// the scene's few materials stay in the first cache and are not counted.
-pub const PATH: Traffic = Traffic::new(
+pub const PATH: Cost = Cost::new(
     4 + item::<SurfacesMut<'static>>()
         + columns::<DrawnMut<'static>>(&["direction"])
         + columns::<PathsMut<'static>>(&["throughput", "slot", "pixel", "sample", "bounces"]),
     item::<PathsMut<'static>>(),
 );
 /// Bytes an occlusion ray.
-pub const SHADOW: Traffic = Traffic::new(item::<LitMut<'static>>(), item::<ShadowsMut<'static>>());
+pub const SHADOW: Cost = Cost::new(item::<LitMut<'static>>(), item::<ShadowsMut<'static>>());
 
 /// A kind of BSDF: how its parameters come out of the material tables.
 pub trait Kind {

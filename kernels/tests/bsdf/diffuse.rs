@@ -27,7 +27,7 @@ fn samples_follow_their_pdf() {
         let lambert = Lambert {
             albedo: Vec3x::splat([0.5; 3]),
         };
-        let maps = [Map::even(); 2];
+        let maps = [Map::Even; 2];
         chi_square(&mut suite, &format!("Lambert {cos}"), &lambert, o, maps);
         for r in ROUGHNESS {
             let name = format!("EON {r} {cos}");

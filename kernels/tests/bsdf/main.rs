@@ -5,4 +5,8 @@
 mod common;
 mod harness;
 
+mod conductor;
+mod dielectric;
 mod diffuse;
+mod fresnel;
+mod twin;

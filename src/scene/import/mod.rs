@@ -9,6 +9,7 @@ mod statements;
 
 use super::error::SceneError;
 use super::material::Material;
+use super::texture::Request;
 use std::io::{self, Read};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -24,6 +25,8 @@ pub(super) struct Imported {
     pub(super) material: Vec<u32>,
     /// Materials by the file's own names.
     pub(super) materials: Vec<Material>,
+    /// Textures that they read, by place; until `surfaces::bind_imported`.
+    pub(super) textures: Vec<Request>,
     /// What had to be left out or guessed.
     pub(super) warnings: Vec<String>,
 }

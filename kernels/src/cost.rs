@@ -1,49 +1,62 @@
-//! Bytes that kernels read and write, as each kernel's file declares them for one item.
+//! What kernels cost, as each kernel's file declares it for one item.
 //!
-//! Declared is what a stage streams through its queues and looks up in tables once an item. What a
-//! traversal reads of its tree depends on the ray and is not in it.
+//! Bytes are what a stage streams through its queues and looks up in tables; operations are those on
+//! `f32` (a fused one is two, a comparison or selection one), counted from the source to about a
+//! fifth: enough for a place on a roofline. What a traversal reads and computes in its tree depends
+//! on the ray and is not in it; see `visits`.
 
 use crate::soa::Layout;
 use std::ops::{Add, Mul};
 
-/// Bytes read and written.
+/// Bytes and operations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Traffic {
+pub struct Cost {
     /// Bytes read.
     pub read: u64,
     /// Bytes written.
     pub written: u64,
+    /// Operations on `f32`.
+    pub operations: u64,
 }
 
-impl Traffic {
+impl Cost {
     /// Bytes read and written.
     #[must_use]
     pub const fn new(read: usize, written: usize) -> Self {
         Self {
             read: read as u64,
             written: written as u64,
+            operations: 0,
         }
+    }
+
+    /// The same with so many operations.
+    #[must_use]
+    pub const fn operations(self, operations: u64) -> Self {
+        Self { operations, ..self }
     }
 }
 
 /// Both together.
-impl Add for Traffic {
+impl Add for Cost {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self {
             read: self.read + other.read,
             written: self.written + other.written,
+            operations: self.operations + other.operations,
         }
     }
 }
 
 /// That of so many items.
-impl Mul<usize> for Traffic {
+impl Mul<usize> for Cost {
     type Output = Self;
     fn mul(self, items: usize) -> Self {
         Self {
             read: self.read * items as u64,
             written: self.written * items as u64,
+            operations: self.operations * items as u64,
         }
     }
 }
@@ -102,7 +115,7 @@ mod tests {
 
     #[test]
     fn traffic_adds_up() {
-        let both = Traffic::new(3, 4) * 5 + Traffic::new(1, 1);
-        assert_eq!(both, Traffic::new(16, 21));
+        let both = Cost::new(3, 4).operations(2) * 5 + Cost::new(1, 1);
+        assert_eq!(both, Cost::new(16, 21).operations(10));
     }
 }

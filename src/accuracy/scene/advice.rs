@@ -1,0 +1,198 @@
+//! What the numbers of a study come to, in sentences.
+
+use super::{Cost, Family, SceneCurve, SceneStudy};
+
+/// Choices within this factor of each other are told as equals: what timing scatters on a machine
+/// that does other things too, and what few renders leave open of an error.
+const ALIKE: f64 = 1.15;
+
+/// A paragraph: which choice reaches the relative error `goal` soonest, what the others need, and what
+/// they cannot reach. `duration` writes seconds.
+#[must_use]
+pub fn advice(study: &SceneStudy, goal: f64, duration: impl Fn(f64) -> String) -> String {
+    let percent = format!("{}%", tidy(100.0 * goal));
+    let told = |c: Cost| match c {
+        Cost::Measured(s) => duration(s),
+        Cost::Extrapolated(s) => format!("about {}", duration(s)),
+        Cost::Never(floor) => format!("stays {} off", share(floor)),
+        Cost::Unknown => "unknown".into(),
+    };
+    let mut ways: Vec<(&SceneCurve, f64)> = study
+        .measured()
+        .filter(|c| kind(c.family) == Kind::Way)
+        .filter_map(|c| Some((c, c.cost_of(goal).seconds()?)))
+        .collect();
+    ways.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut sentences = Vec::new();
+    if let (Some((best, fastest)), Some((worst, slowest))) = (ways.first(), ways.last()) {
+        let mut text = format!(
+            "{} reaches an error of {percent} in {}",
+            best.curve.name,
+            told(best.cost_of(goal))
+        );
+        if slowest > &(ALIKE * fastest) {
+            text += &format!(
+                "; {} needs {}, {} as long",
+                worst.curve.name,
+                told(worst.cost_of(goal)),
+                times(slowest / fastest)
+            );
+        }
+        sentences.push(text);
+        let base = ways.iter().find(|(c, _)| c.family == Family::Base);
+        if let Some((base, seconds)) = base
+            && base.curve.name != best.curve.name
+        {
+            let text = if *seconds <= ALIKE * fastest {
+                format!("the scene's own {} is about as quick", base.curve.name)
+            } else {
+                let (name, factor) = (&base.curve.name, times(seconds / fastest));
+                format!(
+                    "the scene's own {name} needs {factor} as long: try {}",
+                    best.options
+                )
+            };
+            sentences.push(text);
+        }
+    } else {
+        sentences.push(format!(
+            "no choice was measured well enough to say what {percent} costs"
+        ));
+    }
+    sentences.extend(depths(study, goal, &told));
+    sentences.extend(against_base(study, goal));
+    let mut text = String::new();
+    for sentence in sentences {
+        // A choice's name stays as it is.
+        let named = sentence
+            .split(' ')
+            .next()
+            .is_some_and(|word| word.contains('+'));
+        let mut letters = sentence.chars();
+        if let Some(first) = letters.next().filter(|_| !named) {
+            text.extend(first.to_uppercase());
+            text += letters.as_str();
+        } else {
+            text += &sentence;
+        }
+        text += ". ";
+    }
+    text.trim_end().to_owned()
+}
+
+#[derive(PartialEq)]
+enum Kind {
+    /// A way to the same image.
+    Way,
+    /// To an image of its own, or told by itself.
+    Other,
+}
+
+fn kind(family: Family) -> Kind {
+    match family {
+        Family::Base | Family::Strategy | Family::Sampler | Family::Combined => Kind::Way,
+        Family::Depth | Family::Roulette | Family::Wave | Family::Precision => Kind::Other,
+    }
+}
+
+/// The smallest depth that reaches the goal, and how far off the next smaller one stays.
+fn depths(study: &SceneStudy, goal: f64, told: &impl Fn(Cost) -> String) -> Option<String> {
+    let all: Vec<&SceneCurve> = study
+        .measured()
+        .filter(|c| c.family == Family::Depth)
+        .collect();
+    let fails = |c: &&&SceneCurve| matches!(c.cost_of(goal), Cost::Never(_));
+    let last_failing = all.iter().rfind(fails);
+    let first_reaching = all.iter().find(|c| c.cost_of(goal).seconds().is_some());
+    let off = |c: &SceneCurve| share(c.bias());
+    match (last_failing, first_reaching) {
+        (Some(bad), Some(good)) => Some(format!(
+            "{} stays {} off however long it renders; {} reaches the goal in {}",
+            bad.curve.name,
+            off(bad),
+            good.curve.name,
+            told(good.cost_of(goal))
+        )),
+        (Some(bad), None) => Some(format!(
+            "{} stays {} off however long it renders",
+            bad.curve.name,
+            off(bad)
+        )),
+        (None, Some(good)) => Some(format!("{} already reaches the goal", good.curve.name)),
+        (None, None) => None,
+    }
+}
+
+/// How the choices that concern one thing alone compare with the scene's own settings.
+fn against_base(study: &SceneStudy, goal: f64) -> Vec<String> {
+    let mut sentences = Vec::new();
+    for curve in study.measured() {
+        let name = &curve.curve.name;
+        match (curve.family, curve.efficiency) {
+            (Family::Roulette | Family::Wave, Some(e)) if e > ALIKE => {
+                sentences.push(format!("{name} is {} as efficient", times(e)));
+            }
+            (Family::Roulette | Family::Wave, Some(e)) if e < 1.0 / ALIKE => {
+                sentences.push(format!(
+                    "{name} costs {} as much for the same error",
+                    times(1.0 / e)
+                ));
+            }
+            (Family::Precision, _) => sentences.extend(precision(study, curve, goal)),
+            _ => {}
+        }
+    }
+    sentences
+}
+
+/// What f64 costs: against the same strategy with the same kind of numbers where that was measured.
+fn precision(study: &SceneStudy, curve: &SceneCurve, goal: f64) -> Option<String> {
+    let twin = study
+        .measured()
+        .find(|c| c.curve.name == "cosine+independent");
+    let sample = |c: &SceneCurve| {
+        let p = c.curve.points.last()?.point;
+        Some(p.seconds / p.samples as f64)
+    };
+    let last = curve.curve.points.last()?;
+    let agrees = if last.believed_bias_squared() > 0.0 {
+        "differs from the wave"
+    } else {
+        "agrees with the wave to within the noise"
+    };
+    let cost = twin
+        .and_then(|t| Some(sample(curve)? / sample(t)?))
+        .map_or_else(
+            || {
+                let base = study.curves[0].cost_of(goal).seconds();
+                let own = curve.cost_of(goal).seconds();
+                let factor = own.zip(base).map(|(own, base)| times(own / base));
+                factor.map_or(String::new(), |f| {
+                    format!(" and takes {f} as long to the same error")
+                })
+            },
+            |factor| format!(" and takes {} as long for the same samples", times(factor)),
+        );
+    Some(format!("the {} {agrees}{cost}", curve.curve.name))
+}
+
+/// `2.3 times`.
+fn times(factor: f64) -> String {
+    if factor < 10.0 {
+        format!("{factor:.1} times")
+    } else {
+        format!("{factor:.0} times")
+    }
+}
+
+/// A share as a percentage of two digits.
+fn share(part: f64) -> String {
+    let percent = 100.0 * part;
+    let decimals = if percent < 10.0 { 1 } else { 0 };
+    format!("{percent:.decimals$}%")
+}
+
+/// A number without needless digits.
+fn tidy(number: f64) -> f64 {
+    (number * 1e9).round() / 1e9
+}

@@ -1,0 +1,150 @@
+//! The places where a material reads textures.
+
+use crate::scene::material::{Bsdf, Material, NormalMap, TextureUse, Textured};
+use crate::scene::texture::Texture;
+
+/// One of them.
+pub(in crate::scene) enum Slot<'a> {
+    /// A number or colour: its name, its largest factor, whether it has to stay within 1.
+    Value(&'a mut Option<TextureUse>, &'static str, f32, bool),
+    /// A normal or bump map.
+    Relief(&'a mut Option<NormalMap>),
+}
+
+/// What a texture holds that a material cannot have.
+pub(in crate::scene) enum Problem {
+    Negative(f32),
+    AboveOne(f32),
+}
+
+impl Slot<'_> {
+    /// Index of the texture.
+    pub(in crate::scene) fn texture(&self) -> u32 {
+        let texture = match self {
+            Slot::Value(texture, ..) => texture.as_ref().map(|t| t.texture),
+            Slot::Relief(map) => map.as_ref().map(|m| m.texture.texture),
+        };
+        texture.expect("slots hold textures")
+    }
+
+    /// Sets the index of the texture.
+    pub(in crate::scene) fn set(&mut self, index: u32) {
+        match self {
+            Slot::Value(Some(texture), ..) => texture.texture = index,
+            Slot::Relief(Some(map)) => map.texture.texture = index,
+            _ => {}
+        }
+    }
+
+    /// Takes the texture away; its factor stays.
+    pub(in crate::scene) fn remove(&mut self) {
+        match self {
+            Slot::Value(texture, ..) => **texture = None,
+            Slot::Relief(map) => **map = None,
+        }
+    }
+
+    /// The name of what the texture varies.
+    pub(in crate::scene) fn what(&self) -> &'static str {
+        match self {
+            Slot::Value(_, what, ..) => what,
+            Slot::Relief(_) => "relief",
+        }
+    }
+
+    /// What `texture` holds that does not go here.
+    pub(in crate::scene) fn problem(&self, texture: &Texture) -> Option<Problem> {
+        let Slot::Value(_, _, factor, within_one) = self else {
+            return None;
+        };
+        let [low, high] = texture.range;
+        if low < 0.0 {
+            Some(Problem::Negative(low))
+        } else if *within_one && high * factor > 1.0 {
+            Some(Problem::AboveOne(high))
+        } else {
+            None
+        }
+    }
+}
+
+/// The largest number of a factor.
+trait Largest {
+    fn largest(&self) -> f32;
+}
+
+impl Largest for f32 {
+    fn largest(&self) -> f32 {
+        *self
+    }
+}
+
+impl Largest for [f32; 3] {
+    fn largest(&self) -> f32 {
+        self.iter().fold(0.0, |a, &b| a.max(b))
+    }
+}
+
+fn value<'a, T: Largest>(
+    all: &mut Vec<Slot<'a>>,
+    what: &'static str,
+    value: &'a mut Textured<T>,
+    within_one: bool,
+) {
+    let largest = value.factor.largest();
+    if value.texture.is_some() {
+        all.push(Slot::Value(&mut value.texture, what, largest, within_one));
+    }
+}
+
+impl Material {
+    /// The places where it reads a texture.
+    pub(in crate::scene) fn textures_mut(&mut self) -> Vec<Slot<'_>> {
+        let mut all = Vec::new();
+        match &mut self.bsdf {
+            Bsdf::Diffuse { reflectance, .. } => value(&mut all, "albedo", reflectance, true),
+            Bsdf::Conductor {
+                tint, roughness, ..
+            } => {
+                value(&mut all, "tint", tint, true);
+                value(&mut all, "roughness", roughness, true);
+            }
+            Bsdf::Dielectric(d) => {
+                value(&mut all, "roughness", &mut d.roughness, true);
+                value(&mut all, "reflection tint", &mut d.reflection_tint, true);
+                value(
+                    &mut all,
+                    "transmission tint",
+                    &mut d.transmission_tint,
+                    true,
+                );
+            }
+            Bsdf::Principled(p) => {
+                value(&mut all, "base colour", &mut p.base_color, true);
+                value(&mut all, "metallic", &mut p.metallic, true);
+                value(&mut all, "roughness", &mut p.roughness, true);
+                value(&mut all, "specular", &mut p.specular, true);
+                value(&mut all, "specular colour", &mut p.specular_color, false);
+                value(&mut all, "transmission", &mut p.transmission, true);
+                value(&mut all, "clear coat", &mut p.clearcoat, true);
+                value(
+                    &mut all,
+                    "clear coat's roughness",
+                    &mut p.clearcoat_roughness,
+                    true,
+                );
+                value(&mut all, "sheen", &mut p.sheen_color, true);
+                value(&mut all, "sheen's roughness", &mut p.sheen_roughness, true);
+            }
+            Bsdf::Mix { amount, .. } => value(&mut all, "amount", amount, true),
+        }
+        value(&mut all, "emission", &mut self.emission, false);
+        if let Some(mask) = &mut self.alpha {
+            value(&mut all, "opacity", &mut mask.alpha, true);
+        }
+        if self.normal_map.is_some() {
+            all.push(Slot::Relief(&mut self.normal_map));
+        }
+        all
+    }
+}

@@ -1,0 +1,149 @@
+//! One run of a scene, timed.
+
+use super::suite::Standard;
+use super::yardstick;
+use crate::film::Film;
+use crate::geometry::Geometry;
+use crate::processor::cpu_seconds;
+use crate::scene::{self, Scene, SceneError};
+use crate::settings::Settings;
+use crate::wave::{self, Control, Instruments};
+use serde::{Deserialize, Serialize};
+use std::io;
+use std::time::Instant;
+
+/// A scene that is ready to be rendered, and what that took.
+#[derive(Debug)]
+pub struct Prepared {
+    scene: Scene,
+    geometry: Geometry,
+    /// Wall-clock seconds of building the acceleration structure.
+    pub build_seconds: f64,
+    /// Processor seconds of it.
+    pub build_cpu_seconds: f64,
+}
+
+/// Why a scene could not be made ready.
+#[derive(Debug, thiserror::Error)]
+pub enum PrepareError {
+    /// Its files could not be written.
+    #[error("cannot write the scene: {0}")]
+    Io(#[from] io::Error),
+    /// Its files could not be read.
+    #[error("cannot load the scene: {0}")]
+    Scene(#[from] SceneError),
+}
+
+/// One run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Run {
+    /// Wall-clock seconds of rendering.
+    pub seconds: f64,
+    /// Processor seconds of rendering.
+    pub cpu_seconds: f64,
+    /// Processor seconds of the yardstick, mean of before and after.
+    pub yardstick_seconds: f64,
+    /// Camera samples.
+    pub samples: u64,
+    /// Camera rays.
+    pub camera_rays: u64,
+    /// Rays after a scattering event.
+    pub bounce_rays: u64,
+    /// Occlusion rays.
+    pub shadow_rays: u64,
+    /// Processor nanoseconds an item of each stage, in the order of the loop.
+    pub stages: Vec<StageTime>,
+}
+
+/// What an item costs a stage.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct StageTime {
+    /// The stage's name.
+    pub name: String,
+    /// Processor nanoseconds an item.
+    pub nanoseconds: f64,
+    /// Its share of the run, 0 to 1.
+    pub share: f64,
+}
+
+impl Prepared {
+    /// Makes a scene of the suite ready, in a temporary folder.
+    ///
+    /// # Errors
+    /// If the folder cannot be written, or the program cannot read its own scene.
+    pub fn new(standard: &Standard) -> Result<Self, PrepareError> {
+        let folder = tempfile::tempdir()?;
+        let file = folder.path().join("scene.toml");
+        std::fs::write(&file, (standard.make)(folder.path())?)?;
+        let mut scene = scene::load(&file)?;
+        let aspect = f64::from(standard.size[0]) / f64::from(standard.size[1]);
+        [scene.film.width, scene.film.height] = standard.size;
+        if let Some(extent) = scene.camera.projection.extent_mut() {
+            extent.half_width = (f64::from(extent.half_height) * aspect) as f32;
+        }
+        scene.settings.spp = standard.spp;
+        scene.settings.max_depth = Some(standard.max_depth);
+        let (start, cpu) = (Instant::now(), cpu_seconds());
+        let geometry = Geometry::build_with(&scene.mesh, scene.settings.bvh);
+        let build_seconds = start.elapsed().as_secs_f64();
+        let build_cpu = cpu.zip(cpu_seconds()).map(|(from, to)| to - from);
+        Ok(Self {
+            scene,
+            geometry,
+            build_seconds,
+            build_cpu_seconds: build_cpu.unwrap_or(build_seconds),
+        })
+    }
+
+    /// Triangles.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        self.scene.mesh.triangles()
+    }
+
+    /// Renders once with `threads` workers (0: one a core) and waves of `wave` paths.
+    #[must_use]
+    pub fn run(&self, threads: usize, wave: usize) -> Run {
+        let settings = Settings {
+            threads,
+            wave,
+            ..self.scene.settings.clone()
+        };
+        let film = &self.scene.film;
+        let film = Film::new(film.width, film.height, settings.tile);
+        let instruments = Instruments {
+            processor_time: true,
+            ..Instruments::default()
+        };
+        let before = yardstick();
+        let stats = wave::render_with(
+            &self.scene,
+            &self.geometry,
+            &settings,
+            &film,
+            &Control::default(),
+            &instruments,
+        );
+        let after = yardstick();
+        let all: f64 = stats.stages.iter().map(|s| s.seconds).sum();
+        let items = |s: &wave::StageStats| match s.items_in {
+            0 => s.items_out,
+            n => n,
+        };
+        let stage = |s: &wave::StageStats| StageTime {
+            name: s.name.to_owned(),
+            nanoseconds: s.seconds * 1e9 / items(s).max(1) as f64,
+            share: s.seconds / all,
+        };
+        Run {
+            seconds: stats.seconds,
+            cpu_seconds: stats.cpu_seconds.unwrap_or(stats.seconds),
+            yardstick_seconds: 0.5 * (before + after),
+            samples: stats.samples,
+            camera_rays: stats.camera_rays,
+            bounce_rays: stats.bounce_rays,
+            shadow_rays: stats.shadow_rays,
+            stages: stats.stages.iter().map(stage).collect(),
+        }
+    }
+}
