@@ -46,6 +46,8 @@ pub(super) fn load(path: &Path, read: &AtomicU64) -> Result<Imported, SceneError
     let mut imported = Imported {
         vertices: reading.vertices,
         triangles: reading.triangles,
+        normals: reading.normals,
+        uvs: reading.uvs,
         ..Imported::default()
     };
     if imported.triangles.is_empty() {
@@ -61,6 +63,7 @@ pub(super) fn load(path: &Path, read: &AtomicU64) -> Result<Imported, SceneError
     }
     imported.material = vec![0; imported.triangles.len()];
     imported.materials.push(mtl::grey(""));
+    imported.matt.push([0.5; 3]);
     imported.drop_unused_vertices();
     Ok(imported)
 }
