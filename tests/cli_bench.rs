@@ -152,6 +152,23 @@ fn what_cannot_be_compared_is_refused_before_anything_runs() {
 }
 
 #[test]
+fn a_stage_can_be_run_by_itself() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = bench(folder.path(), &["--stage", "box/intersect"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(stdout(&output), "box/intersect 2048\n");
+    for wrong in ["box", "box/lunch", "teapot/sort"] {
+        let output = bench(folder.path(), &["--stage", wrong]);
+        assert_eq!(output.status.code(), Some(2), "{wrong}");
+        let error = stderr(&output);
+        assert!(
+            error.contains("expected a scene (box, interior) and a stage"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
 fn a_program_takes_turns_with_itself() {
     let folder = tempfile::tempdir().expect("a folder");
     let own = env!("CARGO_BIN_EXE_huygens");

@@ -15,22 +15,25 @@ command -v valgrind >/dev/null || {
   echo 'missing: valgrind (Debian: apt-get install valgrind)' >&2
   exit 2
 }
-program=$(cargo bench --bench instructions --no-run --message-format=json 2>/dev/null |
-  sed -n 's/.*"name":"instructions".*"executable":"\([^"]*\)".*/\1/p' | tail -1)
-[[ -x $program ]] || {
-  echo 'cargo bench --bench instructions --no-run failed' >&2
-  exit 2
-}
+cargo build --release --quiet --locked
+program=${CARGO_TARGET_DIR:-target}/release/huygens
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-"$program" | while read -r name items; do
-  valgrind --tool=callgrind --callgrind-out-file="$folder/out" --collect-atstart=no \
-    --toggle-collect='*measured_by_valgrind*' "$program" "$name" >/dev/null 2>"$folder/log"
-  count=$(sed -n 's/.*Collected : \([0-9]*\).*/\1/p' "$folder/log")
+# A dump after each stage: out.1, out.2 and so on, in the order of the lines that it prints.
+valgrind --tool=callgrind --callgrind-out-file="$folder/out" --collect-atstart=no \
+  --toggle-collect='*stage*counted*' --dump-after='*stage*counted*' \
+  "$program" bench --stage >"$folder/cases" 2>"$folder/log" || {
+  cat "$folder/log" >&2
+  exit 2
+}
+number=0
+while read -r name items; do
+  number=$((number + 1))
+  count=$(sed -n 's/^totals: \([0-9]*\).*/\1/p' "$folder/out.$number")
   awk -v name="$name" -v count="$count" -v items="$items" \
-    'BEGIN { printf "%s\t%.1f\n", name, count / items }'
-done >"$folder/now.tsv"
+    'BEGIN { if (items > 0) printf "%s\t%.1f\n", name, count / items }'
+done <"$folder/cases" >"$folder/now.tsv"
 
 if [[ ${1:-} == --save ]]; then
   { printf '# instructions an item, by scene/stage; %s\n' "$(rustc --version)"; cat "$folder/now.tsv"; } \

@@ -63,6 +63,12 @@ class Huygens:
         """Why it cannot render the scene, or None."""
         convert = [sys.executable, os.path.join(HERE, "convert.py"), folder]
         done = subprocess.run(convert, capture_output=True, text=True)
+        if done.returncode:
+            return done.stderr.strip()
+        # What cannot be rendered is refused at any size.
+        look = [self.program, "render", os.path.join(folder, "huygens.toml"), "--quiet", "--size", "1x1",
+                "--spp", "1", "-o", os.path.join(folder, "huygens-look.exr")]
+        done = subprocess.run(look, capture_output=True, text=True)
         return done.stderr.strip() if done.returncode else None
 
     def render(self, folder, spp, seed, threads, out):

@@ -1,6 +1,7 @@
 //! `huygens bench`.
 
 mod report;
+mod stage;
 mod text;
 
 use crate::cli::failure::Failure;
@@ -19,6 +20,11 @@ use std::path::{Path, PathBuf};
 #[command(args_override_self = true)]
 #[command(after_help = "Exit code 3: slower than what it was compared with, beyond --threshold.")]
 pub(crate) struct Args {
+    /// Run one stage over queues recorded from a scene, for tools that count instructions (see
+    /// docs/benchmarks.md); without a value, one after the other
+    #[arg(long, value_name = "SCENE/STAGE", num_args = 0..=1, default_missing_value = "")]
+    stage: Option<String>,
+
     /// Only scenes whose name contains this
     #[arg(long, value_name = "TEXT")]
     filter: Option<String>,
@@ -81,6 +87,9 @@ fn percent(text: &str) -> Result<f64, String> {
 pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if let Some(path) = &args.save {
         ensure_writable(path)?;
+    }
+    if let Some(case) = &args.stage {
+        return stage::run(case);
     }
     let sweep = args.threads.len() > 1 || args.wave.len() > 1;
     if sweep && (args.compare.is_some() || args.against.is_some()) {

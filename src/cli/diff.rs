@@ -3,9 +3,9 @@
 mod json;
 
 use crate::cli::failure::{Failure, warn};
-use crate::cli::options;
 use crate::cli::summary::plural;
 use crate::cli::text::out;
+use crate::cli::values;
 use huygens::accuracy::{
     Difference, NoiseOf, Picture, TRIM, difference, false_colour, pixel_errors,
 };
@@ -34,7 +34,7 @@ pub(crate) struct Args {
 
     /// Error that the error image shows as white, above 0 [default: the largest, but for one pixel in
     /// a hundred]
-    #[arg(long, value_name = "ERROR", value_parser = options::positive)]
+    #[arg(long, value_name = "ERROR", value_parser = values::positive)]
     #[arg(allow_negative_numbers = true)]
     scale: Option<f32>,
 

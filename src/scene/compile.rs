@@ -17,7 +17,7 @@ use super::surfaces::{Surfaces, bind};
 use super::texture::Store;
 use super::toml::SceneFile;
 use super::values::{NonNegative, OneOrThree};
-use crate::settings::{Integrator, Settings};
+use crate::settings::Settings;
 use glam::DAffine3;
 use std::path::Path;
 
@@ -134,10 +134,7 @@ fn finish(mut scene: Scene) -> Scene {
         scene.warnings.push(message.to_owned());
     }
     scene.warnings.extend(without_coordinates(&scene));
-    let needs_light = matches!(
-        scene.settings.integrator,
-        Integrator::Path | Integrator::Direct | Integrator::Reference
-    );
+    let needs_light = scene.settings.integrator.is_transport();
     let sky_shines = scene.sky.as_ref().is_some_and(Sky::shines);
     if needs_light && !sky_shines && scene.lights.is_empty() && !emits(&scene) {
         let message = "no light: neither a sky nor a surface emits, so the image will be black";

@@ -58,6 +58,11 @@ impl IndexList {
         }
     }
 
+    /// The indices, without padding.
+    pub(crate) fn indices(&self) -> &[u32] {
+        &self.indices[..self.len]
+    }
+
     fn clear(&mut self) {
         self.len = 0;
         self.tally = Tally::default();
@@ -102,13 +107,41 @@ pub(crate) struct Wanted {
     pub(crate) unsampled_only: bool,
 }
 
+impl Wanted {
+    /// Surfaces alone.
+    pub(crate) const SURFACES: Self = Self {
+        sky: false,
+        emission: false,
+        unsampled_only: false,
+    };
+}
+
 /// Where a material's surfaces go.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Route {
     /// Whether they emit.
     pub(crate) emits: bool,
     /// Their list among [`Lists::scatter`].
     pub(crate) list: u8,
+}
+
+/// Where all materials' surfaces go.
+#[derive(Clone, Debug)]
+pub(crate) struct Routes {
+    /// By material.
+    of: Vec<Route>,
+    /// Where all go, if they go the same way: then nobody needs to look up a triangle's material, which
+    /// in a large mesh means waiting for memory.
+    only: Option<Route>,
+}
+
+impl Routes {
+    /// `of` is indexed by material; with mixtures, which are drawn by it, it is always looked up.
+    pub(crate) fn new(of: Vec<Route>, mixtures: bool) -> Self {
+        let first = of.first().copied().filter(|_| !mixtures);
+        let only = first.filter(|first| of.iter().all(|route| route == first));
+        Self { of, only }
+    }
 }
 
 impl Lists {
@@ -177,8 +210,15 @@ impl Lists {
     }
 
     /// Sorts the first `n` paths.
-    pub(crate) fn sort(&mut self, n: usize, paths: Paths, hits: PathHits, setup: &Setup) {
-        let (wanted, routes) = (setup.wanted, &setup.routes);
+    pub(crate) fn sort(
+        &mut self,
+        n: usize,
+        paths: Paths,
+        hits: PathHits,
+        setup: &Setup,
+        wanted: Wanted,
+    ) {
+        let routes = &setup.routes;
         let material = setup.tables.triangles.material;
         self.all().for_each(IndexList::clear);
         for_each_run(&paths.bounces[..n], |bounce, run| {
@@ -191,13 +231,18 @@ impl Lists {
                 if primitive == NO_PRIMITIVE {
                     self.sky.push_if(i, wanted.sky && light);
                 } else {
-                    let material = material[primitive as usize];
-                    let mut route = routes[material as usize];
+                    let (material, mut route) = match routes.only {
+                        Some(route) => (0, route),
+                        None => {
+                            let material = material[primitive as usize];
+                            (material, routes.of[material as usize])
+                        }
+                    };
                     self.emission
                         .push_if(i, wanted.emission && light && route.emits);
                     if let (Some(mixtures), Some(met)) = (&setup.mixtures, &mut self.met) {
                         met[i] = mixtures.draw(&paths, i, material);
-                        route = routes[met[i] as usize];
+                        route = routes.of[met[i] as usize];
                     }
                     let list = &mut self.scatter[usize::from(route.list)];
                     list.push_if(i, paths.bounces[i] & LAST_RAY == 0);
