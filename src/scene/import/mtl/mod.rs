@@ -64,7 +64,7 @@ impl Library {
     /// Adds the materials of the file at `path`; where a name was known, the later one holds.
     fn read(&mut self, path: &Path) -> Result<(), std::io::Error> {
         let bytes = std::fs::read(path)?;
-        for (name, said) in Said::read(&text(&bytes)) {
+        for (name, said) in Said::read(&text(&bytes))? {
             self.said.insert(name, (path.to_owned(), said));
         }
         Ok(())

@@ -57,22 +57,41 @@ const MAPS: [(&str, &str); 13] = [
     ("map_normal", "norm"),
 ];
 
+/// What a keyword's name begins with on its way through tobj.
+const HANDED_OVER: &str = "statement-";
+
 /// Those that would change the picture and are not.
 const LEFT_OUT: [&str; 6] = ["map_ns", "map_ps", "map_pc", "disp", "map_disp", "refl"];
 
 impl Said {
     /// The materials of an MTL file in their order.
-    pub(super) fn read(text: &str) -> Vec<(String, Self)> {
-        let mut all: Vec<(String, Self)> = Vec::new();
+    ///
+    /// tobj gathers each material's statements. Keywords that it knows it would parse too, and give
+    /// up the whole file at the first value that is wrong; so each is handed over under a name that
+    /// it does not know, and which values are wrong is said here, one by one.
+    pub(super) fn read(text: &str) -> std::io::Result<Vec<(String, Self)>> {
+        let mut plain = String::new();
+        let mut names: Vec<String> = Vec::new();
         for (_, statement) in statements(text) {
             let (keyword, rest) = split(&statement);
             if keyword == "newmtl" {
-                all.push((rest.to_owned(), Self::default()));
-            } else if let Some((_, said)) = all.last_mut() {
-                said.statement(&keyword.to_ascii_lowercase(), rest);
+                plain += &format!("newmtl {}\n", names.len());
+                names.push(rest.to_owned());
+            } else if !names.is_empty() {
+                plain += &format!("{HANDED_OVER}{} {rest}\n", keyword.to_ascii_lowercase());
             }
         }
-        all
+        let (read, _) = tobj::load_mtl_buf(&mut plain.as_bytes()).map_err(std::io::Error::other)?;
+        let said = read.into_iter().map(|material| {
+            let mut said = Self::default();
+            for (keyword, rest) in &material.unknown_param {
+                if let Some(keyword) = keyword.strip_prefix(HANDED_OVER) {
+                    said.statement(keyword, rest);
+                }
+            }
+            said
+        });
+        Ok(names.into_iter().zip(said).collect())
     }
 
     fn statement(&mut self, keyword: &str, rest: &str) {
