@@ -195,7 +195,7 @@ impl Packet {
         let scale: Fx = bytemuck::cast((Ux::splat(254) - exponent) << 23_u32);
         let direction = direction.map(|d| d * scale);
         let inverse = direction.map(|d| Fx::ONE / d);
-        let usable = [origin, inverse.map(|i| i * Fx::splat(1.0 + PAD)), direction]
+        let usable = [origin, inverse, direction]
             .as_flattened()
             .iter()
             .fold(as_mask(normal), |all, &x| all & finite(x));
@@ -270,11 +270,10 @@ impl Packet {
             Fx::splat(node.planes[plane].as_array()[slot]) - self.origin[axis]
         };
         let near = |axis: usize| plane(axis, self.hull.near[axis]) * self.inverse[axis];
-        let far = |axis: usize| {
-            plane(axis, self.hull.near[axis] ^ 1) * (self.inverse[axis] * Fx::splat(1.0 + PAD))
-        };
+        let far = |axis: usize| plane(axis, self.hull.near[axis] ^ 1) * self.inverse[axis];
         let enter = near(0).fast_max(near(1).fast_max(near(2).fast_max(Fx::ZERO)));
-        let leave = far(0).fast_min(far(1).fast_min(far(2).fast_min(limit)));
+        let leave = far(0).fast_min(far(1).fast_min(far(2)));
+        let leave = (leave * Fx::splat(1.0 + PAD)).fast_min(limit);
         !enter.simd_gt(leave)
     }
 
@@ -326,9 +325,9 @@ impl Packet {
     fn view(&self, block: &Block, lane: usize) -> View<Fx> {
         // The remainders tell the compiler that no index is out of range.
         let axes = self.axes.map(|a| a % 3);
-        let corner = |v: &[wide::f32x4; 3]| axes.map(|a| Fx::splat(v[a].as_array()[lane & 3]));
+        let corner = |c: usize| axes.map(|a| Fx::splat(block.vertex[a][c].as_array()[lane & 3]));
         View {
-            corners: block.vertex.each_ref().map(corner),
+            corners: [0, 1, 2].map(corner),
             origin: axes.map(|a| self.origin[a]),
             slope: self.slope,
             inverse: self.inverse[axes[2]],
@@ -365,11 +364,12 @@ impl Hull {
         };
         let far = |axis: usize| {
             let plane = node.planes[(self.near[axis] ^ 1) % 6] - Fx::splat(self.origin[axis][1]);
-            let [a, b] = self.inverse[axis].map(|i| plane * Fx::splat(i * (1.0 + PAD)));
+            let [a, b] = self.inverse[axis].map(|i| plane * Fx::splat(i));
             a.fast_max(b)
         };
         let enter = near(0).fast_max(near(1).fast_max(near(2).fast_max(Fx::ZERO)));
-        let leave = far(0).fast_min(far(1).fast_min(far(2).fast_min(Fx::splat(limit))));
+        let leave = far(0).fast_min(far(1).fast_min(far(2)));
+        let leave = (leave * Fx::splat(1.0 + PAD)).fast_min(Fx::splat(limit));
         (!enter.simd_gt(leave), enter)
     }
 }

@@ -151,10 +151,10 @@ impl Query for ClosestHit<'_, '_> {
         // Bits of positive distances order like the distances; what is not taken comes last.
         let t = bytemuck::cast::<_, u32x4>(found.t) | !taken;
         let least = horizontal_min(t);
-        let primitive = block.primitive | !t.simd_eq(least) | !taken;
-        let chosen = horizontal_min(primitive);
-        let lane = primitive.simd_eq(chosen).to_bitmask().trailing_zeros() as usize & 3;
-        let (t, primitive) = (least.as_array()[0], chosen.as_array()[0]);
+        // The first of equally near ones has the smallest index: see `Block`.
+        let lane = t.simd_eq(least).to_bitmask().trailing_zeros() as usize & 3;
+        let t = least.as_array()[0];
+        let primitive = block.primitive.as_array()[lane];
         let current = state.t.to_bits();
         // One comparison for distance and index: two would become a branch.
         let key = |t: u32, primitive: u32| u64::from(t) << 32 | u64::from(primitive);

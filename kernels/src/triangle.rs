@@ -141,7 +141,7 @@ impl Shear {
         // The remainder tells the compiler that no index is out of range.
         let axes = self.axes.map(|a| (a % 3) as usize);
         View {
-            corners: block.vertex.each_ref().map(|v| axes.map(|a| v[a])),
+            corners: [0, 1, 2].map(|corner| axes.map(|a| block.vertex[a][corner])),
             origin: self.origin.map(f32x4::splat),
             slope: self.shear.map(f32x4::splat),
             inverse: f32x4::splat(self.inverse),
