@@ -8,7 +8,7 @@
 //! **Which rays.** Eight neighbours of the view make a packet if they agree on the main axis and on
 //! the signs of all components, no component's reciprocal overflows, and their slopes lie within
 //! `SPREAD`. Rays scattered by a surface hardly ever do, and asking costs little; so nobody needs
-//! to say which rays are camera rays. What makes no packet is left to `flight.rs`.
+//! to say which rays are camera rays. What makes no packet is left to `many.rs`.
 //!
 //! **The same answers.** The interval test computes, for each plane, the extreme over the corners of
 //! (origins) x (reciprocal directions). Rounding is monotone, so each bound holds for the *computed*
@@ -28,7 +28,7 @@ use crate::query::ClosestHit;
 use crate::rays::{Hits, NO_PRIMITIVE, Rays};
 use crate::slabs::PAD;
 use crate::triangle::{Candidates, View};
-use crate::{flight, traverse};
+use crate::{many, traverse};
 use std::ops::Range;
 
 /// The most that two slopes of a packet may differ by, along either axis. Rays farther apart share
@@ -44,11 +44,11 @@ const FLIGHT: usize = 32;
 /// Most nodes of a tree whose children's places a `u32` can number.
 const MAX_NODES: usize = NOTHING as usize / WIDTH;
 
-/// Writes the closest hit of each ray; `N` rays that make no packet are in flight together.
+/// Writes the closest hit of each ray; those that make no packet are traced by `many.rs`.
 ///
 /// # Panics
 /// If a column is shorter than `rays.len`.
-pub fn closest<const N: usize>(bvh: Bvh, rays: Rays, mut hits: Hits) {
+pub fn closest(bvh: Bvh, rays: Rays, mut hits: Hits) {
     let mut stack = Stack::default();
     let mut answered = 0;
     let walkable = !bvh.nodes.is_empty() && bvh.nodes.len() <= MAX_NODES;
@@ -63,14 +63,14 @@ pub fn closest<const N: usize>(bvh: Bvh, rays: Rays, mut hits: Hits) {
             continue;
         }
         if let Some(packet) = Packet::load(&rays, i) {
-            apart::<N>(bvh, &rays, &mut hits, answered..i);
+            apart(bvh, &rays, &mut hits, answered..i);
             let (found, lanes) = packet.walk(bvh, &mut stack);
             found.store(&packet, &mut hits, i);
             pace.learn(lanes);
             answered = i + LANES;
         }
     }
-    apart::<N>(bvh, &rays, &mut hits, answered..rays.len);
+    apart(bvh, &rays, &mut hits, answered..rays.len);
 }
 
 /// Whether packets pay: where a pixel covers many triangles, its rays part ways however alike their
@@ -119,26 +119,16 @@ struct UseOfLanes {
 }
 
 /// Rays that make no packet.
-fn apart<const N: usize>(bvh: Bvh, rays: &Rays, hits: &mut Hits, range: Range<usize>) {
+fn apart(bvh: Bvh, rays: &Rays, hits: &mut Hits, range: Range<usize>) {
     if range.is_empty() {
         return;
     }
-    let rays = Rays {
-        len: range.len(),
-        origin: rays.origin.map(|column| &column[range.clone()]),
-        direction: rays.direction.map(|column| &column[range.clone()]),
-        leaves: &rays.leaves[range.clone()],
-    };
-    let hits = Hits {
-        primitive: &mut hits.primitive[range.clone()],
-        t: &mut hits.t[range.clone()],
-        u: &mut hits.u[range.clone()],
-        v: &mut hits.v[range],
-    };
+    let rays = rays.part(range.clone());
+    let hits = hits.part(range);
     if rays.len < FLIGHT {
         traverse::closest(bvh, rays, hits);
     } else {
-        flight::closest::<N>(bvh, rays, hits);
+        many::closest(bvh, rays, hits);
     }
 }
 
@@ -325,9 +315,10 @@ impl Packet {
     fn view(&self, block: &Block, lane: usize) -> View<Fx> {
         // The remainders tell the compiler that no index is out of range.
         let axes = self.axes.map(|a| a % 3);
-        let corner = |c: usize| axes.map(|a| Fx::splat(block.vertex[a][c].as_array()[lane & 3]));
+        let [x, y, z] = axes.map(|a| &block.vertex[a]);
+        let corner = |c: usize| [x, y, z].map(|v| Fx::splat(v[c].as_array()[lane & 3]));
         View {
-            corners: [0, 1, 2].map(corner),
+            corners: [corner(0), corner(1), corner(2)],
             origin: axes.map(|a| self.origin[a]),
             slope: self.slope,
             inverse: self.inverse[axes[2]],

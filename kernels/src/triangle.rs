@@ -35,7 +35,7 @@ use wide::f32x4;
 /// Edge functions below this, and triangles whose doubled area, seen from the ray, is above its
 /// reciprocal, are decided in f64. It is no tolerance (both ways of deciding give an answer, and
 /// the f64 one is exact): from 2^-102 down, f32 products lose bits to underflow.
-const SURE: f32 = 1.0 / ((1u128 << 100) as f32);
+pub(crate) const SURE: f32 = 1.0 / ((1u128 << 100) as f32);
 
 /// What the triangle test needs of a ray.
 #[derive(Clone, Copy, Debug, Default)]
@@ -139,9 +139,9 @@ impl Shear {
     #[inline(always)]
     fn view(&self, block: &Block) -> View<f32x4> {
         // The remainder tells the compiler that no index is out of range.
-        let axes = self.axes.map(|a| (a % 3) as usize);
+        let [x, y, z] = self.axes.map(|a| &block.vertex[(a % 3) as usize]);
         View {
-            corners: [0, 1, 2].map(|corner| axes.map(|a| block.vertex[a][corner])),
+            corners: [[x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]]],
             origin: self.origin.map(f32x4::splat),
             slope: self.shear.map(f32x4::splat),
             inverse: f32x4::splat(self.inverse),
