@@ -95,9 +95,9 @@ impl Visitor for ClosestOf<'_, '_> {
         let (mut t, mut u, mut v) = (Fx::splat(f32::MAX), Fx::ZERO, Fx::ZERO);
         let mut primitive = Ux::splat(NO_PRIMITIVE);
         for triangle in self.triangles {
-            let found = eight.test::<MAIN>(triangle);
             let index = Ux::splat(triangle.primitive);
             let own = as_mask(index.simd_eq(leaves));
+            let found = eight.test::<MAIN>(triangle, own);
             let nearer: Mask = found.met & found.t.simd_lt(t) & !own;
             t = nearer.select(found.t, t);
             u = nearer.select(found.u, u);
@@ -136,9 +136,9 @@ impl Visitor for OcclusionBy<'_, '_> {
         let reaches = Ux::new(eight.id.map(|i| reaches[i]));
         let mut met = Fx::ZERO;
         for triangle in self.triangles {
-            let found = eight.test::<MAIN>(triangle);
             let index = Ux::splat(triangle.primitive);
             let excluded = as_mask(index.simd_eq(leaves) | index.simd_eq(reaches));
+            let found = eight.test::<MAIN>(triangle, excluded);
             met |= found.met & found.t.simd_lt(t_max) & !excluded;
         }
         let met = met.to_bitmask();
@@ -149,11 +149,11 @@ impl Visitor for OcclusionBy<'_, '_> {
 }
 
 impl Eight {
-    /// All eight against one triangle.
+    /// All eight against one triangle; nobody looks at the lanes that are `ignored`.
     #[inline(always)]
-    fn test<const MAIN: usize>(&self, triangle: &Triangle) -> Candidates<Fx> {
+    fn test<const MAIN: usize>(&self, triangle: &Triangle, ignored: Mask) -> Candidates<Fx> {
         let (found, sure) = self.view::<MAIN>(triangle).meet();
-        if sure.all() {
+        if (sure | ignored).all() {
             return found;
         }
         let exact = self.test_exactly::<MAIN>(triangle);

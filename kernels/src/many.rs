@@ -43,6 +43,6 @@ pub fn form() -> &'static str {
 
 /// Rays under way together: see `docs/performance.md`.
 const IN_FLIGHT: usize = 32;
-/// Fewer rays do not pay for what a call of the form for AVX-512 writes to begin with, some 130 KB.
+/// Fewer rays do not fill the slots of the form for AVX-512.
 #[cfg(target_arch = "x86_64")]
-const WORTH_IT: usize = 128;
+const WORTH_IT: usize = 64;

@@ -12,8 +12,8 @@
 //! near value is at most `t (1 + u)^3` and the far value at least `t (1 + PAD) (1 - u)^4`. The
 //! triangle test (`triangle.rs`) is exact for a triangle whose vertices' distances from the
 //! origin along each axis are off by a factor of at most `1 + 5u`: subtraction, shear, product and
-//! the rounded direction. So a triangle that the test accepts has `t` within the slabs to
-//! `(3 + 4 + 5 + 5) u = 17u`; `PAD = 32u = 2^-19` covers that, and second-order terms, with the
+//! the rounded direction; and its distance is rounded by `13u` at most. So a triangle that the test
+//! accepts has `t` within the slabs to `(3 + 4 + 5 + 13) u = 25u`; `PAD = 32u = 2^-19` covers that, and second-order terms, with the
 //! next power of two. This holds while `t` stays above the smallest normal number.
 //!
 //! **Zero components.** `1 / ±0` is an infinity of the same sign. A plane strictly to one side

@@ -7,7 +7,7 @@ use super::N;
 use super::simd::{four_each, lanes_below, load4_u32, load16, store4, store16};
 use super::slot::{Slot, key};
 use crate::bvh::{Block, Bvh, index};
-use crate::triangle::SURE;
+use crate::triangle::{CONTACT, SURE};
 use std::arch::x86_64::*;
 
 /// What four rays and their blocks come to: weights and distances along the main axis by corner,
@@ -58,7 +58,8 @@ impl Groups {
         }
     }
 
-    /// Which triangles the rays of group `g` meet, and where. `exactly` answers for one of them.
+    /// Which of the triangles that are `wanted` the rays of group `g` meet, and where. `exactly`
+    /// answers for one ray.
     #[inline]
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
     pub(super) fn finish(
@@ -66,15 +67,17 @@ impl Groups {
         g: usize,
         slots: &[Slot; N],
         ids: &[u32],
+        wanted: __mmask16,
         exactly: impl Fn(usize) -> Found<[f32; 4], u8>,
     ) -> Found<__m512, __mmask16> {
-        let used = lanes_below(4 * ids.len());
         let inverse = of_each(slots, ids, |slot| slot.ray.inverse_main);
-        let (found, unsure) = finish(&self.0[g % (N / 4)], inverse, used);
+        let (found, unsure) = finish(&self.0[g % (N / 4)], inverse, wanted);
         if unsure == 0 {
             return found;
         }
-        settle(found, unsure, &exactly)
+        let mut found = settle(found, unsure, &exactly);
+        found.met &= wanted;
+        found
     }
 }
 
@@ -97,7 +100,7 @@ fn of_each_u32(slots: &[Slot; N], ids: &[u32], what: impl Fn(&Slot) -> u32) -> _
 /// Indices of the rays' triangles.
 #[inline]
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-fn primitives(bvh: Bvh, slots: &[Slot; N], ids: &[u32]) -> __m512i {
+pub(super) fn primitives(bvh: Bvh, slots: &[Slot; N], ids: &[u32]) -> __m512i {
     let last = ids.len() - 1;
     let of = |r: usize| {
         let next = slots[ids[r.min(last)] as usize % N].next;
@@ -141,6 +144,27 @@ fn edges(slot: &Slot, block: &Block, group: &mut Group, r: usize) {
     store4(&mut group.depth[2][r], _mm512_extractf32x4_ps::<2>(z));
 }
 
+/// The lanes of rays that are there, and of triangles that they do not leave.
+#[inline]
+#[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+pub(super) fn but_left(primitive: __m512i, slots: &[Slot; N], ids: &[u32]) -> __mmask16 {
+    let leaves = of_each_u32(slots, ids, |slot| slot.ray.leaves);
+    _mm512_mask_cmpneq_epi32_mask(lanes_below(4 * ids.len()), primitive, leaves)
+}
+
+/// Of `wanted`, the lanes of triangles that the segments do not reach.
+#[inline]
+#[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+pub(super) fn but_reached(
+    wanted: __mmask16,
+    primitive: __m512i,
+    slots: &[Slot; N],
+    ids: &[u32],
+) -> __mmask16 {
+    let reaches = of_each_u32(slots, ids, |slot| slot.reaches);
+    _mm512_mask_cmpneq_epi32_mask(wanted, primitive, reaches)
+}
+
 /// The test in f32 of the lanes `used`, and those of them where it is not sure.
 #[inline]
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
@@ -158,7 +182,7 @@ fn finish(
     let least = _mm512_min_ps(_mm512_abs_ps(wb), _mm512_abs_ps(wc));
     let least = _mm512_min_ps(_mm512_abs_ps(wa), least);
     let (low, high) = (_mm512_set1_ps(SURE), _mm512_set1_ps(1.0 / SURE));
-    let unsure = _mm512_mask_cmp_ps_mask::<_CMP_NLE_UQ>(used, low, least)
+    let doubtful = _mm512_mask_cmp_ps_mask::<_CMP_NLE_UQ>(used, low, least)
         | _mm512_mask_cmp_ps_mask::<_CMP_NLE_UQ>(used, _mm512_abs_ps(det), high);
     let zero = _mm512_setzero_ps();
     let least = _mm512_min_ps(wa, _mm512_min_ps(wb, wc));
@@ -170,14 +194,19 @@ fn finish(
     let (ub, uc) = (_mm512_mul_ps(wb, share), _mm512_mul_ps(wc, share));
     let depth = _mm512_fmadd_ps(ua, za, _mm512_fmadd_ps(ub, zb, _mm512_mul_ps(uc, zc)));
     let t = _mm512_mul_ps(depth, inverse);
+    let farthest = _mm512_max_ps(_mm512_abs_ps(zb), _mm512_abs_ps(zc));
+    let farthest = _mm512_max_ps(_mm512_abs_ps(za), farthest);
+    let near = _mm512_mul_ps(farthest, _mm512_set1_ps(CONTACT));
+    let inside = used & !outside;
+    let contact = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(inside, _mm512_abs_ps(depth), near);
     let found = Found {
-        met: _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(used & !outside, zero, t),
+        met: _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(inside, zero, t),
         t,
         // Adding 0 turns -0 into 0.
         u: _mm512_add_ps(ub, zero),
         v: _mm512_add_ps(uc, zero),
     };
-    (found, unsure)
+    (found, doubtful | contact)
 }
 
 /// Asks the exact test about rays of which some lane is not sure.
@@ -203,21 +232,18 @@ fn settle(
     Found { met, t, u, v }
 }
 
-/// The nearest triangle of each ray, unless it is the one that the ray leaves or lies no nearer
-/// than what was met before; of equally near ones the first.
+/// The nearest triangle of each ray, unless it lies no nearer than what was met before; of equally
+/// near ones the first.
 #[inline]
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
 pub(super) fn nearest(
-    bvh: Bvh,
+    primitive: __m512i,
     found: &Found<__m512, __mmask16>,
     slots: &[Slot; N],
     ids: &[u32],
 ) -> Best {
-    let primitive = primitives(bvh, slots, ids);
-    let own = of_each_u32(slots, ids, |slot| slot.ray.leaves);
     let current = of_each(slots, ids, Slot::t);
     let taken = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(found.met, found.t, current);
-    let taken = _mm512_mask_cmpneq_epi32_mask(taken, primitive, own);
     // Bits of positive distances order like the distances; what is not taken comes last.
     let none = _mm512_set1_epi32(-1);
     let t = _mm512_mask_mov_epi32(none, taken, _mm512_castps_si512(found.t));
@@ -253,17 +279,9 @@ pub(super) fn nearest(
 /// Triangles that block each ray's segment, four bits a ray.
 #[inline]
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-pub(super) fn blocked(
-    bvh: Bvh,
-    found: &Found<__m512, __mmask16>,
-    slots: &[Slot; N],
-    ids: &[u32],
-) -> u32 {
-    let primitive = primitives(bvh, slots, ids);
-    let leaves = of_each_u32(slots, ids, |slot| slot.ray.leaves);
-    let reaches = of_each_u32(slots, ids, |slot| slot.reaches);
+pub(super) fn blocked(found: &Found<__m512, __mmask16>, slots: &[Slot; N], ids: &[u32]) -> u32 {
     let end = of_each(slots, ids, |slot| slot.ray.span);
-    let blocked = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(found.met, found.t, end);
-    let blocked = _mm512_mask_cmpneq_epi32_mask(blocked, primitive, leaves);
-    u32::from(_mm512_mask_cmpneq_epi32_mask(blocked, primitive, reaches))
+    u32::from(_mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(
+        found.met, found.t, end,
+    ))
 }

@@ -40,9 +40,16 @@ use leaf::{Found, Groups};
 use prepare::Stage;
 use queue::{Queues, What};
 use slot::{Slot, key};
+use std::cell::RefCell;
 
 /// Rays under way together.
 const N: usize = 64;
+
+thread_local! {
+    /// 135 KB that need not be written at every call: a ray sets what it will read, but for the
+    /// sentinels below its stack, and those nobody writes over.
+    static SLOTS: RefCell<[Slot; N]> = const { RefCell::new([const { Slot::NEW }; N]) };
+}
 
 /// Whether this processor can run [`closest`] and [`occluded`].
 #[must_use]
@@ -62,7 +69,7 @@ pub fn closest(bvh: Bvh, rays: Rays, mut hits: Hits) {
     hits.primitive[..rays.len].fill(NO_PRIMITIVE);
     if !bvh.nodes.is_empty() {
         // SAFETY: the processor has what the function is compiled for.
-        unsafe { fly_closest(bvh, &rays, &mut hits) }
+        SLOTS.with_borrow_mut(|slots| unsafe { fly_closest(slots, bvh, &rays, &mut hits) });
     }
 }
 
@@ -75,7 +82,7 @@ pub fn occluded(bvh: Bvh, segments: Segments, occluded: &mut [u32]) {
     occluded[..segments.len].fill(0);
     if !bvh.nodes.is_empty() {
         // SAFETY: the processor has what the function is compiled for.
-        unsafe { fly_occluded(bvh, &segments, occluded) }
+        SLOTS.with_borrow_mut(|slots| unsafe { fly_occluded(slots, bvh, &segments, occluded) });
     }
 }
 
@@ -96,8 +103,7 @@ impl Turn {
 }
 
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-fn fly_closest(bvh: Bvh, rays: &Rays, hits: &mut Hits) {
-    let mut slots = [const { Slot::NEW }; N];
+fn fly_closest(slots: &mut [Slot; N], bvh: Bvh, rays: &Rays, hits: &mut Hits) {
     let (mut stage, mut queues) = (Stage::new(), Queues::new());
     let (mut turn, mut groups) = (Turn::NEW, Groups::NEW);
     queues.done.fill_with_all();
@@ -135,24 +141,26 @@ fn fly_closest(bvh: Bvh, rays: &Rays, hits: &mut Hits) {
                 let children = bvh.nodes[index(slot.next)].child.as_array();
                 slot.push_in_order(children, turn.hits[i], &turn.enter[i]);
             }
-            choose_in_order(&mut slots, ids, &mut turn.next);
+            choose_in_order(slots, ids, &mut turn.next);
             queues.sort(bvh, What::Nodes, &turn.next);
         } else if queues.leaves.len() > 0 {
             let ids = queues.leaves.ids();
-            groups.edges(bvh, &slots, ids);
+            groups.edges(bvh, slots, ids);
             for (g, ids) in ids.chunks(4).enumerate() {
                 let exactly = |r: usize| {
                     exactly(bvh, &slots[ids[r] as usize % N], |i| {
                         Prepared::load(rays.origin, rays.direction, i)
                     })
                 };
-                let found = groups.finish(g, &slots, ids, exactly);
-                let best = leaf::nearest(bvh, &found, &slots, ids);
+                let primitive = leaf::primitives(bvh, slots, ids);
+                let wanted = leaf::but_left(primitive, slots, ids);
+                let found = groups.finish(g, slots, ids, wanted, exactly);
+                let best = leaf::nearest(primitive, &found, slots, ids);
                 for (r, &id) in ids.iter().enumerate() {
                     slots[id as usize % N].improve(best.key[r], best.uv[r]);
                 }
             }
-            choose_in_order(&mut slots, ids, &mut turn.next);
+            choose_in_order(slots, ids, &mut turn.next);
             queues.sort(bvh, What::Leaves, &turn.next);
         } else {
             break;
@@ -161,8 +169,7 @@ fn fly_closest(bvh: Bvh, rays: &Rays, hits: &mut Hits) {
 }
 
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-fn fly_occluded(bvh: Bvh, segments: &Segments, occluded: &mut [u32]) {
-    let mut slots = [const { Slot::NEW }; N];
+fn fly_occluded(slots: &mut [Slot; N], bvh: Bvh, segments: &Segments, occluded: &mut [u32]) {
     let (mut stage, mut queues) = (Stage::new(), Queues::new());
     let (mut turn, mut groups) = (Turn::NEW, Groups::NEW);
     queues.done.fill_with_all();
@@ -193,24 +200,27 @@ fn fly_occluded(bvh: Bvh, segments: &Segments, occluded: &mut [u32]) {
                 let hits = node::test(&slot.ray, node, limit, &mut turn.enter[0]);
                 slot.push(node.child.as_array(), hits);
             }
-            choose(&mut slots, ids, &mut turn.next);
+            choose(slots, ids, &mut turn.next);
             queues.sort(bvh, What::Nodes, &turn.next);
         } else if queues.leaves.len() > 0 {
             let ids = queues.leaves.ids();
-            groups.edges(bvh, &slots, ids);
+            groups.edges(bvh, slots, ids);
             for (g, ids) in ids.chunks(4).enumerate() {
                 let exactly = |r: usize| {
                     exactly(bvh, &slots[ids[r] as usize % N], |i| {
                         Prepared::load(segments.origin, segments.direction, i)
                     })
                 };
-                let found = groups.finish(g, &slots, ids, exactly);
-                let blocked = leaf::blocked(bvh, &found, &slots, ids);
+                let primitive = leaf::primitives(bvh, slots, ids);
+                let wanted = leaf::but_left(primitive, slots, ids);
+                let wanted = leaf::but_reached(wanted, primitive, slots, ids);
+                let found = groups.finish(g, slots, ids, wanted, exactly);
+                let blocked = leaf::blocked(&found, slots, ids);
                 for (r, &id) in ids.iter().enumerate() {
                     slots[id as usize % N].best = u64::from(blocked >> (4 * r) & 15 != 0);
                 }
             }
-            choose(&mut slots, ids, &mut turn.next);
+            choose(slots, ids, &mut turn.next);
             queues.sort(bvh, What::Leaves, &turn.next);
         } else {
             break;

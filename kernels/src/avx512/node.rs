@@ -33,18 +33,20 @@ pub(super) fn test(ray: &Ray, node: &Node, limit: f32, enter: &mut [f32; 8]) -> 
 }
 
 /// Lane numbers, in the low three bits, that bring the lanes of `hits` to the front in the order of
-/// falling `enter`; of equal ones in that of falling lane.
+/// falling `enter`; of equal ones in that of rising lane.
 #[inline]
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
 pub(super) fn descending(hits: u8, enter: __m256) -> __m256i {
-    let lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    let last_first = _mm256_setr_epi32(7, 6, 5, 4, 3, 2, 1, 0);
     let coarse = _mm256_and_si256(_mm256_castps_si256(enter), _mm256_set1_epi32(!7));
     // Lanes that are not hit are filled with 0: no key is less.
-    let keys = _mm256_maskz_compress_epi32(hits, _mm256_or_si256(coarse, lane));
-    if hits.count_ones() > 4 {
-        return sort8(keys);
-    }
-    _mm256_castsi128_si256(sort4(_mm256_castsi256_si128(keys)))
+    let keys = _mm256_maskz_compress_epi32(hits, _mm256_or_si256(coarse, last_first));
+    let keys = if hits.count_ones() > 4 {
+        sort8(keys)
+    } else {
+        _mm256_castsi128_si256(sort4(_mm256_castsi256_si128(keys)))
+    };
+    _mm256_xor_si256(keys, _mm256_set1_epi32(7))
 }
 
 /// Sorts downwards, by a bitonic network (K. Batcher, 1968).
