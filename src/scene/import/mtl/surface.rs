@@ -249,7 +249,7 @@ mod tests {
     use super::*;
 
     fn made(statements: &str) -> Made {
-        let all = Said::read(&format!("newmtl m\n{statements}\n"));
+        let all = Said::read(&format!("newmtl m\n{statements}\n")).unwrap();
         make(&all[0].1, "m", Path::new("a.mtl"), &mut Vec::new())
     }
 
@@ -357,7 +357,7 @@ mod tests {
         let mut textures = Vec::new();
         let text = "newmtl m\nKd 0 0 0\nmap_Kd -s 2 2 2 a b.png\nmap_d a b.png\nKe 0 0 0\n\
                     map_Ke glow.png\nmap_Bump -bm 0.5 bump.png\ndisp d.png\n";
-        let all = Said::read(text);
+        let all = Said::read(text).unwrap();
         let Made {
             material, notes, ..
         } = make(&all[0].1, "m", Path::new("in/a.mtl"), &mut textures);
