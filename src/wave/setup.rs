@@ -145,7 +145,12 @@ impl Setup<'_> {
 
     /// The queues for surfaces that are more than plain diffuse ones, if there are any.
     pub(crate) fn surfaces(&self) -> Option<Surfaces> {
-        self.runs(Stage::Interact)
-            .then(|| Surfaces::new(self.capacity, self.runs(Stage::Light)))
+        self.runs(Stage::Interact).then(|| {
+            Surfaces::new(
+                self.capacity,
+                self.runs(Stage::Light),
+                self.tables.attributes.is_some(),
+            )
+        })
     }
 }
