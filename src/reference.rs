@@ -74,10 +74,10 @@ impl<'a> Reference<'a> {
     /// Most triangles for which testing them all is bearable: a few microseconds a ray.
     const MOST_TRIANGLES: usize = 1024;
 
-    /// Whether the reference renders `scene` in bearable time.
+    /// Whether the reference renders `scene`, as the wave would and in bearable time.
     #[must_use]
     pub fn supports(scene: &Scene) -> bool {
-        scene.mesh.triangles() <= Self::MOST_TRIANGLES
+        scene.mesh.triangles() <= Self::MOST_TRIANGLES && scene.beyond_reference().is_none()
     }
 
     /// Prepares `scene`. Of `settings` it follows `seed`, the depth limit (at most 2048, since each

@@ -14,9 +14,10 @@ use crate::cli::until::{Rendered, UntilOptions};
 use huygens::film::output::ensure_writable;
 use huygens::film::{Film, Image};
 use huygens::geometry::Geometry;
-use huygens::scene::FilmSpec;
+use huygens::scene::{FilmSpec, Scene};
+use huygens::settings::Integrator;
 use huygens::wave;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Render a scene to images
@@ -75,6 +76,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     warnings.extend(args.output.needless(&targets));
     warn(&warnings, args.scene.strict)?;
     ImageOptions::ensure_countable(&scene)?;
+    ensure_reference_knows(&scene, &args.scene.scene)?;
     ensure_memory(&scene.film, physical_memory())?;
 
     let label = format!(
@@ -170,6 +172,15 @@ fn ensure_memory(film: &FilmSpec, available: Option<u64>) -> Result<(), Failure>
             bytes(available)
         ))),
         _ => Ok(()),
+    }
+}
+
+/// Refuses to render with the reference tracer what it would render wrong.
+fn ensure_reference_knows(scene: &Scene, path: &Path) -> Result<(), Failure> {
+    let reference = scene.settings.integrator == Integrator::Reference;
+    match scene.beyond_reference().filter(|_| reference) {
+        Some(why) => Err(Failure::Input(miette::miette!("{}: {why}", path.display()))),
+        None => Ok(()),
     }
 }
 

@@ -4,7 +4,7 @@
 
 use super::compiled::Scene;
 use super::import::Imported;
-use super::material::Material;
+use super::material::{Bsdf, Material};
 
 impl Scene {
     /// Why the scene cannot be rendered as it is meant, if so: what the first surface to blame asks
@@ -23,6 +23,21 @@ impl Scene {
                 m.name
             ))
         })
+    }
+}
+
+impl Scene {
+    /// Why the reference tracer would give another image than the wave, if so: it knows Lambertian
+    /// surfaces alone.
+    #[must_use]
+    pub fn beyond_reference(&self) -> Option<String> {
+        let matt = |m: &Material| matches!(m.bsdf, Bsdf::Diffuse { roughness: 0.0, .. });
+        let mut worn = self.mesh.material.iter();
+        let other = worn.find(|&&m| !matt(&self.materials[m as usize]))?;
+        let name = &self.materials[*other as usize].name;
+        Some(format!(
+            "material `{name}` is not Lambertian, and the reference tracer knows no other surfaces"
+        ))
     }
 }
 
