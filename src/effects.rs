@@ -41,6 +41,14 @@ impl Effects {
         let mut effects = Self::default();
         let transport = settings.integrator.is_transport();
         effects.camera(scene);
+        if let Some(sphere) = scene.spheres.first() {
+            let worn = &scene.materials[sphere.material as usize];
+            effects.add("spheres", material(worn));
+        }
+        if let Some(instance) = scene.instances.first() {
+            let object = &scene.objects[instance.object as usize];
+            effects.add("instances", format!("object `{}`", object.name));
+        }
         effects.light(scene);
         effects.surfaces(scene, transport);
         if transport && settings.roulette {
@@ -133,8 +141,8 @@ impl Effects {
     }
 }
 
-/// The fewest lights at a finite distance for which a tree is worth its steps: see
-/// docs/performance.md.
+/// The fewest lights at a finite distance for which a tree is taken to be worth its steps: set by
+/// judgement, see docs/performance.md.
 const MANY_LIGHTS: usize = 16;
 
 /// How a render chooses among lights, `auto` resolved, and why.
@@ -177,12 +185,9 @@ fn material(material: &Material) -> String {
     }
 }
 
-/// By material: whether any surface wears it.
+/// By material: whether any surface wears it, or a mixture of which it is part.
 fn worn(scene: &Scene) -> Vec<bool> {
-    let mut worn = vec![false; scene.materials.len()];
-    for &m in &scene.mesh.material {
-        worn[m as usize] = true;
-    }
+    let mut worn = scene.worn();
     spread(scene, &mut worn);
     worn
 }

@@ -19,6 +19,7 @@
 
 mod camera;
 mod lights;
+mod sphere;
 mod surface;
 
 use self::surface::{Point, colour, is_there};
@@ -29,6 +30,7 @@ use glam::DVec3;
 use lights::Lights;
 use rand_pcg::Pcg64;
 use rand_pcg::rand_core::Rng;
+use sphere::Sphere;
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -37,6 +39,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Reference<'a> {
     scene: &'a Scene,
     triangles: Vec<Triangle>,
+    /// Numbered after the triangles.
+    spheres: Vec<Sphere>,
     lights: Lights<'a>,
     seed: u32,
     max_depth: u32,
@@ -49,8 +53,16 @@ struct Triangle {
     corner: DVec3,
     edges: [DVec3; 2],
     normal: DVec3,
+    worn: Worn,
+}
+
+/// What a material does.
+#[derive(Debug)]
+struct Worn {
     albedo: DVec3,
+    emission: DVec3,
     two_sided: bool,
+    material: u32,
 }
 
 struct Ray {
@@ -60,7 +72,8 @@ struct Ray {
 }
 
 struct Hit {
-    triangle: usize,
+    /// A triangle, or behind the triangles a sphere.
+    surface: usize,
     t: f64,
     /// Barycentric weights of the second and third corner.
     weights: [f64; 2],
@@ -87,29 +100,20 @@ impl<'a> Reference<'a> {
     #[must_use]
     pub fn new(scene: &'a Scene, settings: &Settings) -> Self {
         let mesh = &scene.mesh;
-        let triangles = (0..mesh.triangles()).map(|i| {
-            let [a, b, c] = mesh.corners(i).map(vector);
-            let material = &scene.materials[mesh.material[i] as usize];
-            Triangle {
-                corner: a,
-                edges: [b - a, c - a],
-                normal: (b - a).cross(c - a).normalize(),
-                albedo: vector(material.albedo(&scene.materials)),
-                two_sided: material.two_sided,
-            }
-        });
+        let triangles = (0..mesh.triangles())
+            .map(|i| Triangle::new(mesh.corners(i).map(vector), scene, mesh.material[i]))
+            .chain(sphere::copies(scene));
+        let spheres = scene.spheres.iter().map(|s| Sphere::new(s, scene));
         let unbounded = Settings {
             roulette: false,
             ..settings.clone()
         };
-        let extent = mesh
-            .vertices
-            .iter()
-            .flatten()
-            .fold(0.0f32, |m, c| m.max(c.abs()));
+        let bounds = scene.bounds().unwrap_or_default();
+        let [low, high] = bounds.map(|corner| corner.abs().max_element());
         Self {
             scene,
             triangles: triangles.collect(),
+            spheres: spheres.collect(),
             lights: Lights::new(scene),
             seed: settings.seed,
             max_depth: unbounded.depth_limit().min(Self::DEEPEST),
@@ -117,7 +121,7 @@ impl<'a> Reference<'a> {
             // A hit point is off its plane by a few roundings of the largest coordinate: 2^-48 of
             // that covers them sixteenfold, and lies as far below what f32 vertices resolve as
             // those lie below 1.
-            nearest: f64::from(extent) * (-48f64).exp2(),
+            nearest: low.max(high) * (-48f64).exp2(),
         }
     }
 
@@ -142,36 +146,47 @@ impl<'a> Reference<'a> {
         let Some(hit) = self.closest(ray) else {
             return self.lights.beyond(ray.direction);
         };
-        let surface = &self.triangles[hit.triangle];
-        let front = ray.direction.dot(surface.normal) < 0.0;
-        let point = Point::new(self.scene, hit.triangle, hit.weights, surface.normal);
-        let material = &self.scene.materials[self.scene.mesh.material[hit.triangle] as usize];
+        let origin = ray.origin + hit.t * ray.direction;
+        let (outside, surface) = self.surface(hit.surface, origin);
+        let front = ray.direction.dot(outside) < 0.0;
+        // Copies and spheres have neither images nor interpolated normals.
+        let own = hit.surface < self.scene.mesh.triangles();
+        let point = own.then(|| Point::new(self.scene, hit.surface, hit.weights, outside));
+        let material = &self.scene.materials[surface.material as usize];
         let emitted = if front || surface.two_sided {
-            colour(self.scene, &material.emission, point.uv)
+            match &point {
+                Some(point) => colour(self.scene, &material.emission, point.uv),
+                None => surface.emission,
+            }
         } else {
             DVec3::ZERO
         };
         let albedo = match &material.bsdf {
-            Bsdf::Diffuse { reflectance, .. } => colour(self.scene, reflectance, point.uv),
+            Bsdf::Diffuse { reflectance, .. } => match &point {
+                Some(point) => colour(self.scene, reflectance, point.uv),
+                None => surface.albedo,
+            },
             _ => surface.albedo,
         };
         if depth >= self.max_depth || albedo == DVec3::ZERO {
             return emitted;
         }
-        let normal = if front {
-            surface.normal
-        } else {
-            -surface.normal
+        let normal = if front { outside } else { -outside };
+        let shading = match &point {
+            Some(point) => point.towards(front, normal, -ray.direction),
+            None => normal,
         };
-        let shading = point.towards(front, normal, -ray.direction);
         let (omega_i, pdf) = self.sample_hemisphere(rng, shading);
-        let origin = ray.origin + hit.t * ray.direction;
         let brdf = albedo / PI;
         // The cosine that counts, with what becomes of it where triangles are dark.
         let cosine = |omega_i: DVec3| {
-            point.terminator(shading, normal, omega_i) * omega_i.dot(shading).max(0.0)
+            let factor = match &point {
+                Some(point) => point.terminator(shading, normal, omega_i),
+                None => 1.0,
+            };
+            factor * omega_i.dot(shading).max(0.0)
         };
-        let delta = brdf * self.delta_lights(origin, cosine, hit.triangle);
+        let delta = brdf * self.delta_lights(origin, cosine, hit.surface);
         let weight = cosine(omega_i) / pdf;
         if weight == 0.0 {
             return emitted + delta;
@@ -179,12 +194,12 @@ impl<'a> Reference<'a> {
         let next = Ray {
             origin,
             direction: omega_i,
-            leaves: Some(hit.triangle),
+            leaves: Some(hit.surface),
         };
         emitted + delta + brdf * self.radiance(rng, &next, depth + 1) * weight
     }
 
-    /// Irradiance by the lights that no ray finds, at `origin` on triangle `leaves`.
+    /// Irradiance by the lights that no ray finds, at `origin` on surface `leaves`.
     fn delta_lights(&self, origin: DVec3, cosine: impl Fn(DVec3) -> f64, leaves: usize) -> DVec3 {
         let arriving = self.lights.arriving(origin).map(|light| {
             let cos = cosine(light.direction);
@@ -217,10 +232,10 @@ impl<'a> Reference<'a> {
         (tangent * local.0 + bitangent * local.1 + normal * cos, pdf)
     }
 
-    /// The closest hit over all triangles.
+    /// The closest hit over all surfaces.
     ///
     /// A ray that leaves a surface meets neither the triangle that it leaves nor anything nearer
-    /// than the rounding of its origin.
+    /// than the rounding of its origin; a sphere that it leaves only at its far side.
     #[inline(never)] // keeps what the recursion puts on the stack small
     fn closest(&self, ray: &Ray) -> Option<Hit> {
         let nearest = if ray.leaves.is_some() {
@@ -235,16 +250,41 @@ impl<'a> Reference<'a> {
                 && nearest < t
                 && t < farthest
                 && ray.leaves != Some(i)
-                && is_there(self.scene, i, weights)
+                && (i >= self.scene.mesh.triangles() || is_there(self.scene, i, weights))
             {
                 closest = Some(Hit {
-                    triangle: i,
+                    surface: i,
                     t,
                     weights,
                 });
             }
         }
+        for (i, sphere) in self.spheres.iter().enumerate() {
+            let surface = self.triangles.len() + i;
+            let farthest = closest.as_ref().map_or(f64::INFINITY, |hit| hit.t);
+            let leaves = ray.leaves == Some(surface);
+            if let Some(t) = sphere.intersect(ray, leaves, nearest)
+                && t < farthest
+            {
+                closest = Some(Hit {
+                    surface,
+                    t,
+                    weights: [0.0; 2],
+                });
+            }
+        }
         closest
+    }
+
+    /// The unit normal of a surface's front at a point of it, and what it wears.
+    fn surface(&self, surface: usize, point: DVec3) -> (DVec3, &Worn) {
+        match self.triangles.get(surface) {
+            Some(triangle) => (triangle.normal, &triangle.worn),
+            None => {
+                let sphere = &self.spheres[surface - self.triangles.len()];
+                ((point - sphere.centre).normalize(), &sphere.worn)
+            }
+        }
     }
 
     /// Renders the samples of `job` into their slots of `out`, which must have room for them. Returns
@@ -278,7 +318,28 @@ impl<'a> Reference<'a> {
     }
 }
 
+impl Worn {
+    fn new(scene: &Scene, index: u32) -> Self {
+        let material = &scene.materials[index as usize];
+        Self {
+            albedo: vector(material.albedo(&scene.materials)),
+            emission: vector(material.emission.factor),
+            two_sided: material.two_sided,
+            material: index,
+        }
+    }
+}
+
 impl Triangle {
+    fn new([a, b, c]: [DVec3; 3], scene: &Scene, material: u32) -> Self {
+        Self {
+            corner: a,
+            edges: [b - a, c - a],
+            normal: (b - a).cross(c - a).normalize(),
+            worn: Worn::new(scene, material),
+        }
+    }
+
     /// Ray parameter and weights of the plane's hit if it lies in the triangle, edges included (T. Moeller,
     /// B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997).
     fn intersect(&self, ray: &Ray) -> Option<(f64, [f64; 2])> {

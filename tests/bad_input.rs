@@ -255,8 +255,8 @@ fn transform_that_flattens() {
 
 #[test]
 fn shape_of_no_kind_or_of_two() {
-    let expected =
-        "s.toml:1:1: shapes[0]: expected exactly one of `obj`, `ply`, `rectangle`, `box` or `mesh`";
+    let expected = "s.toml:1:1: shapes[0]: expected exactly one of `obj`, `ply`, `rectangle`, `box`, `mesh` \
+         or `sphere`";
     assert_eq!(message("[[shapes]]\n"), expected);
     let two = "[[shapes]]\nobj = \"a.obj\"\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n";
     assert_eq!(message(two), expected);

@@ -199,7 +199,8 @@ fn the_undamaged_scene_is_right() {
         .with("a.mtl", MTL);
     let scene = folder.scene("s.toml");
     assert_eq!(scene.mesh.triangles(), 3 + 1 + 12 + 2 + 2);
-    assert_eq!(scene.materials.len(), 3);
+    // The opacity of `red` makes a mixture of it, of two more.
+    assert_eq!(scene.materials.len(), 5);
 }
 
 proptest! {

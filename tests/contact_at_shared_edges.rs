@@ -34,6 +34,7 @@ fn sheet(n: u32, size: f32, at: [f32; 3], x: [f32; 3], y: [f32; 3]) -> Mesh {
 /// Rays from within a millionth of the longest edges, to both sides.
 fn rays(mesh: &Mesh, n: usize) -> RaySet {
     let triangles = Triangles {
+        others: None,
         vertices: &mesh.vertices,
         indices: &mesh.indices,
         material: &mesh.material,

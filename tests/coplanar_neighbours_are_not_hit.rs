@@ -48,6 +48,7 @@ fn hits(mesh: &Mesh, towards: [f32; 3], n: usize, uniform: bool) -> usize {
         vertices: &mesh.vertices,
         indices: &mesh.indices,
         material: &mesh.material,
+        others: None,
     };
     let sampler = Independent { seed: 7 };
     let size = padded(n);

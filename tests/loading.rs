@@ -67,6 +67,7 @@ fn what_is_counted_is_what_comes() {
         Counts {
             vertices: scene.mesh.vertices.len() as u64,
             triangles: scene.mesh.triangles() as u64 + 3,
+            ..Counts::default()
         }
     );
     assert_eq!(scene.mesh.material[..7], [1, 2, 0, 1, 0, 1, 2]);

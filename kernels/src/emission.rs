@@ -9,7 +9,7 @@
 use crate::accumulate::{add, report};
 use crate::cost::{Cost, columns, item};
 use crate::lanes::{Fx, LANES, Ux, as_mask, first, gather, gather_u32, load_u32, padded};
-use crate::light::{Departure, beyond, triangle_pdf};
+use crate::light::{Departure, beyond, surface_pdf};
 use crate::mis::power_heuristic;
 use crate::queues::{Listed, OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
 use crate::surface::{self, Surface};
@@ -77,16 +77,7 @@ pub fn surface_emission<const MIS: bool>(
         // The ray's direction is a unit vector, so the parameter is the distance.
         let t = gather(listed.hits.t, at);
         let from = Departure::of(&paths, at);
-        let light_pdf = || {
-            triangle_pdf(
-                tables,
-                &from,
-                surface.primitive,
-                surface.material,
-                t,
-                surface.cos_o,
-            )
-        };
+        let light_pdf = || surface_pdf(tables, &from, &surface, t);
         let weight = weigh::<MIS>(gather(paths.pdf, at), light_pdf);
         let emitted = Vec3x::gather_columns(tables.materials.emission, surface.material);
         let value = Vec3x::gather_columns(paths.throughput, at).product(emitted) * weight;

@@ -50,13 +50,13 @@ struct Slot<S> {
 }
 
 /// Slots that wait for a turn of one kind.
-struct Queue<const N: usize> {
+pub(crate) struct Queue<const N: usize> {
     slots: [u8; N],
-    len: usize,
+    pub(crate) len: usize,
 }
 
 impl<const N: usize> Queue<N> {
-    const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             slots: [0; N],
             len: 0,
@@ -65,13 +65,13 @@ impl<const N: usize> Queue<N> {
 
     /// Writes `slot` behind the last and keeps it if `keep`: no branch.
     #[inline(always)]
-    fn offer(&mut self, slot: usize, keep: bool) {
+    pub(crate) fn offer(&mut self, slot: usize, keep: bool) {
         self.slots[self.len & (N - 1)] = slot as u8;
         self.len += usize::from(keep);
     }
 
     #[inline(always)]
-    fn get(&self, i: usize) -> usize {
+    pub(crate) fn get(&self, i: usize) -> usize {
         usize::from(self.slots[i & (N - 1)]) & (N - 1)
     }
 }
@@ -192,7 +192,7 @@ fn fetch(bvh: Bvh, reference: u32) {
 
 /// Asks for the cache line at an address, which may be any.
 #[inline(always)]
-fn prefetch(address: *const u8) {
+pub(crate) fn prefetch(address: *const u8) {
     #[cfg(target_arch = "x86_64")]
     // SAFETY: a prefetch reads nothing as far as the program can tell; a bad address is ignored.
     unsafe {

@@ -32,9 +32,11 @@ pub use tree::{LEAF, NO_LIGHT, Node, Tree};
 use crate::hemisphere::{sample_sides, to_world, uniform_pdf};
 use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask, gather, gather_u32, to_f32, to_u32};
 use crate::mis::power_heuristic;
+use crate::others::Others;
 use crate::queues::{BOTH_SIDES, Paths};
 use crate::rays::NO_PRIMITIVE;
-use crate::surface::{Anchor, Corners, spawn};
+use crate::sphere_light;
+use crate::surface::{Anchor, Corners, Surface, spawn};
 use crate::tables::{Lights, Tables};
 use crate::vec3::Vec3x;
 
@@ -153,10 +155,28 @@ impl Departure {
 }
 
 /// The pdf in solid angle, selection included, with which [`sample_light`] would have found what
-/// rays found on triangles `primitive` of `material`, at distance `t` under `cos_l` at the light.
+/// rays found on `surface`, at distance `t`.
 #[inline(always)]
 #[must_use]
-pub fn triangle_pdf(
+pub fn surface_pdf(tables: &Tables, from: &Departure, surface: &Surface, t: Fx) -> Fx {
+    let (primitive, material, cos_l) = (surface.primitive, surface.material, surface.cos_o);
+    let Some(others) = spheres(tables) else {
+        return triangle_pdf(tables, from, primitive, material, t, cos_l);
+    };
+    let spheres = others.are_spheres(primitive);
+    let on_sphere = sphere_light::pdf(others, from, primitive);
+    match sphere_light::triangles_only(primitive, spheres) {
+        None => on_sphere,
+        Some(triangles) => {
+            let on_triangle = triangle_pdf(tables, from, triangles, material, t, cos_l);
+            spheres.select(on_sphere, on_triangle)
+        }
+    }
+}
+
+/// The same for triangles `primitive` of `material`, under `cos_l` at the light.
+#[inline(always)]
+fn triangle_pdf(
     tables: &Tables,
     from: &Departure,
     primitive: Ux,
@@ -214,8 +234,8 @@ pub fn sample_light(tables: &Tables, anchor: &Anchor, u: [Fx; 4]) -> LightSample
             picked = Some((in_tree, probability, area_pdf));
         }
     }
-    let on_triangle = as_mask(source.simd_lt(Ux::splat(PUNCTUAL)));
-    let triangles = on_triangle.to_bitmask();
+    let on_surface = as_mask(source.simd_lt(Ux::splat(PUNCTUAL)));
+    let surfaces = on_surface.to_bitmask();
     let is_sky = as_mask(source.simd_eq(Ux::splat(SKY)));
     let sky = is_sky.to_bitmask();
     let mut sample = None;
@@ -223,8 +243,8 @@ pub fn sample_light(tables: &Tables, anchor: &Anchor, u: [Fx; 4]) -> LightSample
         sample = Some(sample_sky(tables, anchor, u[2], u[3], spare));
     }
     // Lanes of other kinds borrow some light of a kind, so that every look-up is in range.
-    if sky | triangles != ALL {
-        let own = !(is_sky | on_triangle);
+    if sky | surfaces != ALL {
+        let own = !(is_sky | on_surface);
         let k = as_bits(own) & source & Ux::splat(!PUNCTUAL);
         let mut drawn = punctual::sample(lights.punctual, anchor, k, u[2], u[3]);
         if let Some((in_tree, probability, _)) = picked {
@@ -234,14 +254,14 @@ pub fn sample_light(tables: &Tables, anchor: &Anchor, u: [Fx; 4]) -> LightSample
         }
         sample = Some(merge(own, drawn, sample));
     }
-    if triangles != 0 {
-        let some = source.as_array()[triangles.trailing_zeros() as usize % LANES];
-        let primitive = as_bits(on_triangle).select(source, Ux::splat(some));
+    if surfaces != 0 {
+        let some = source.as_array()[surfaces.trailing_zeros() as usize % LANES];
+        let primitive = as_bits(on_surface).select(source, Ux::splat(some));
         let area_pdf = picked.map(|(_, _, area_pdf)| area_pdf);
-        let drawn = sample_triangle(tables, anchor, primitive, area_pdf, u[2], u[3]);
-        sample = Some(match triangles {
+        let drawn = sample_surface(tables, anchor, primitive, area_pdf, u[2], u[3]);
+        sample = Some(match surfaces {
             ALL => drawn,
-            _ => merge(on_triangle, drawn, sample),
+            _ => merge(on_surface, drawn, sample),
         });
     }
     sample.expect("each lane's light is of some kind")
@@ -262,6 +282,38 @@ fn merge(mask: Mask, a: LightSample, b: Option<LightSample>) -> LightSample {
         delta: mask.select(a.delta, b.delta),
         valid: mask.select(a.valid, b.valid),
     }
+}
+
+/// What knows the spheres, if there are any.
+#[inline(always)]
+fn spheres<'a>(tables: &'a Tables) -> Option<&'a Others<'a>> {
+    let others = tables.triangles.others.as_ref();
+    others.filter(|others| !others.spheres.is_empty())
+}
+
+/// A point on an emissive triangle or sphere.
+#[inline(always)]
+fn sample_surface(
+    tables: &Tables,
+    anchor: &Anchor,
+    primitive: Ux,
+    area_pdf: Option<Fx>,
+    u: Fx,
+    v: Fx,
+) -> LightSample {
+    let Some(others) = spheres(tables) else {
+        return sample_triangle(tables, anchor, primitive, area_pdf, u, v);
+    };
+    let spheres = others.are_spheres(primitive);
+    let Some(triangles) = sphere_light::triangles_only(primitive, spheres) else {
+        return sphere_light::sample(tables, others, anchor, primitive, u, v);
+    };
+    let on_triangle = sample_triangle(tables, anchor, triangles, area_pdf, u, v);
+    if spheres.to_bitmask() == 0 {
+        return on_triangle;
+    }
+    let on_sphere = sphere_light::sample(tables, others, anchor, primitive, u, v);
+    merge(spheres, on_sphere, Some(on_triangle))
 }
 
 #[inline(always)]

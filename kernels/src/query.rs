@@ -39,6 +39,16 @@ impl Prepared {
         })
     }
 
+    /// The same ray in another space; distances along it stay the numbers that they are.
+    #[inline(always)]
+    pub(crate) fn seen_as(&self, origin: [f32; 3], direction: [f32; 3]) -> Self {
+        Self {
+            slabs: Slabs::new(origin, direction),
+            shear: Shear::new(origin, direction),
+            scale: self.scale,
+        }
+    }
+
     /// A distance of the caller's in the kernel's units.
     #[inline(always)]
     fn inward(&self, t: f32) -> f32 {
@@ -89,13 +99,13 @@ pub struct ClosestHit<'a, 'b> {
 /// The closest hit so far.
 #[derive(Clone, Copy, Debug)]
 pub struct Closest {
-    t: f32,
+    pub(crate) t: f32,
     /// `t (1 + PAD)`.
-    limit: f32,
-    primitive: u32,
-    u: f32,
-    v: f32,
-    leaves: u32,
+    pub(crate) limit: f32,
+    pub(crate) primitive: u32,
+    pub(crate) u: f32,
+    pub(crate) v: f32,
+    pub(crate) leaves: u32,
 }
 
 impl Default for Closest {
@@ -193,11 +203,11 @@ pub struct Occlusion<'a, 'b> {
 /// What one occlusion query asks, in the kernel's units, and its answer so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Within {
-    t_max: f32,
+    pub(crate) t_max: f32,
     /// `t_max (1 + PAD)`.
-    limit: f32,
-    excluded: [u32; 2],
-    occluded: u32,
+    pub(crate) limit: f32,
+    pub(crate) excluded: [u32; 2],
+    pub(crate) occluded: u32,
 }
 
 impl Query for Occlusion<'_, '_> {

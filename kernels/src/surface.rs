@@ -29,7 +29,7 @@ const EPSILON: f32 = 1.0 / 16_777_216.0;
 
 /// `n` roundings in a row, relative: Higham's gamma.
 #[inline(always)]
-const fn gamma(n: f32) -> f32 {
+pub(crate) const fn gamma(n: f32) -> f32 {
     n * EPSILON / (1.0 - n * EPSILON)
 }
 
@@ -139,6 +139,40 @@ impl Anchor {
     }
 }
 
+/// `LANES` points on surfaces.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// The points, to rounding.
+    pub point: Vec3x,
+    /// Unit geometric normals of the front sides.
+    pub outside: Vec3x,
+    /// How far to either side rays start; see [`clearance`].
+    pub clearance: Fx,
+    /// Material indices.
+    pub material: Ux,
+}
+
+impl Place {
+    /// Where hits are that are called `primitive`, at `u` and `v`.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(triangles: &Triangles, primitive: Ux, u: Fx, v: Fx) -> Self {
+        // The same for the whole render.
+        if let Some(others) = &triangles.others {
+            return others.place(triangles, primitive, u, v);
+        }
+        let corners = Corners::gather(triangles, primitive);
+        let outside = corners.unit_normal();
+        let (point, s) = corners.point(u, v);
+        Self {
+            point,
+            outside,
+            clearance: clearance(s, outside),
+            material: gather_u32(triangles.material, primitive),
+        }
+    }
+}
+
 /// `LANES` surface interactions.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
@@ -165,13 +199,15 @@ impl Surface {
     #[inline(always)]
     #[must_use]
     pub fn at(triangles: &Triangles, primitive: Ux, u: Fx, v: Fx, direction: Vec3x) -> Self {
-        let corners = Corners::gather(triangles, primitive);
-        let front_normal = corners.unit_normal();
-        let cos = front_normal.dot(direction);
+        let Place {
+            point,
+            outside,
+            clearance,
+            material,
+        } = Place::of(triangles, primitive, u, v);
+        let cos = outside.dot(direction);
         let front = cos.simd_lt(Fx::ZERO);
-        let normal = Vec3x::select(front, front_normal, -front_normal);
-        let (point, s) = corners.point(u, v);
-        let clearance = clearance(s, normal);
+        let normal = Vec3x::select(front, outside, -outside);
         Self {
             origin: normal.scale_add(clearance, point),
             point,
@@ -180,7 +216,7 @@ impl Surface {
             front,
             cos_o: cos.abs(),
             primitive,
-            material: gather_u32(triangles.material, primitive),
+            material,
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::interpolate::Attributes;
 use crate::lanes::{Fx, Ux, gather};
 use crate::light::{Environment, Punctual, Tree};
+use crate::others::Others;
 use crate::vec3::{Columns, Vec3x};
 
 /// Most parameters that a kind of BSDF has.
@@ -30,6 +31,21 @@ pub struct Triangles<'a> {
     pub indices: &'a [[u32; 3]],
     /// Material of each triangle.
     pub material: &'a [u32],
+    /// Spheres and copies of objects, if there are any: their numbers come after the triangles'.
+    pub others: Option<Others<'a>>,
+}
+
+impl Triangles<'_> {
+    /// The material of what was hit, triangle or not.
+    #[inline(always)]
+    #[must_use]
+    pub fn material_of(&self, primitive: u32) -> u32 {
+        match (self.material.get(primitive as usize), &self.others) {
+            (Some(&material), _) => material,
+            (None, Some(others)) => others.material_of(primitive),
+            (None, None) => unreachable!("hits are numbered by triangles"),
+        }
+    }
 }
 
 /// Material tables, one element a material.
@@ -49,14 +65,14 @@ pub struct Materials<'a> {
     pub area_pdf: &'a [f32],
 }
 
-/// Light tables: emissive triangles, then lights of no area, then the sky if there is one.
+/// Light tables: emissive triangles and spheres, then lights of no area, then the sky if there is one.
 #[derive(Clone, Copy, Debug)]
 pub struct Lights<'a> {
     /// Alias method: probability to keep entry `i`.
     pub keep: &'a [f32],
     /// Alias method: what entry `i` stands for otherwise.
     pub alias: &'a [u32],
-    /// What light `i` is: a triangle by its index, or one of `light`'s marks.
+    /// What light `i` is: a triangle or sphere by its number, or one of `light`'s marks.
     pub source: &'a [u32],
     /// Lights of no area.
     pub punctual: &'a [Punctual],

@@ -108,6 +108,7 @@ impl Scene {
                 vertices: &VERTICES,
                 indices: &INDICES,
                 material: &MATERIAL,
+                others: None,
             },
             attributes: None,
             materials: Materials {
@@ -345,6 +346,7 @@ fn a_back_that_does_not_emit_is_no_valid_sample() {
             vertices: &VERTICES,
             indices: &INDICES,
             material: &MATERIAL,
+            others: None,
         },
         materials,
         attributes: None,
@@ -376,11 +378,11 @@ fn where_light_passes_through_the_sky_is_sampled_all_around_and_rays_start_on_it
             vertices: &VERTICES,
             indices: &INDICES,
             material: &MATERIAL,
+            others: None,
         },
         attributes: None,
         materials: Materials {
             albedo: [&[0.5; 2]; 3],
-            parameters: [&[0.0; 2]; huygens_kernels::tables::SLOTS],
             emission: [&[1.0; 2]; 3],
             two_sided: &[u32::MAX; 2],
             area_pdf: &[0.0; 2],

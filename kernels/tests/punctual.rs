@@ -7,7 +7,7 @@ use huygens_kernels::lanes::{Fx, LANES, Ux};
 use huygens_kernels::light::{Departure, LightSample, PUNCTUAL, Punctual, beyond, sample_light};
 use huygens_kernels::rays::NO_PRIMITIVE;
 use huygens_kernels::surface::Anchor;
-use huygens_kernels::tables::{Lights, Materials, SLOTS, Tables, Triangles};
+use huygens_kernels::tables::{Lights, Materials, Tables, Triangles};
 use huygens_kernels::vec3::Vec3x;
 
 /// Half a unit in the last place of 1: one rounding.
@@ -19,16 +19,10 @@ fn tables<'a>(punctual: &'a [Punctual], keep: &'a [f32], source: &'a [u32]) -> T
             vertices: &[],
             indices: &[],
             material: &[],
+            others: None,
         },
         attributes: None,
-        materials: Materials {
-            albedo: [&[]; 3],
-            parameters: [&[]; SLOTS],
-            emission: [&[]; 3],
-            two_sided: &[],
-            area_pdf: &[],
-            ..Materials::default()
-        },
+        materials: Materials::default(),
         lights: Lights {
             keep,
             alias: &[0, 1, 2, 3][..keep.len()],

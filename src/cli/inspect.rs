@@ -39,10 +39,10 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     warn(&scene.warnings, args.scene.strict)?;
     let label = format!(
         "build over {}",
-        plural(scene.mesh.triangles() as u64, "triangle")
+        plural(scene.stored_triangles() as u64, "triangle")
     );
     let preset = args.bvh.unwrap_or(scene.settings.bvh);
-    let build = || Geometry::build_with(&scene.mesh, preset);
+    let build = || Geometry::of(&scene, preset);
     let (geometry, _) = progress.phase(&label, build);
     let plan = wave::plan(&scene, &geometry, &scene.settings);
     let contents = Contents::of(&scene, path, &geometry.memory(), plan);

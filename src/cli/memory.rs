@@ -20,6 +20,15 @@ fn building(preset: Preset) -> u64 {
     }
 }
 
+/// Bytes a sphere: itself, its material, a quarter of a block, shading's copy and its share of the tree
+/// over the world, whose nodes hold four blocks or more on average.
+const SPHERE: u64 = 20 + 24 + 16 + 20;
+/// Bytes an instance: as compiled, as kernels read it, two entries of what finds it, and its share of
+/// the tree.
+const INSTANCE: u64 = 104 + 128 + 8 + 64;
+/// The same while that tree is built: items, boxes, and the binary tree with what is below its nodes.
+const PLACING: u64 = 320;
+
 /// What is needed at one moment, by table.
 type Moment = Vec<(&'static str, u64)>;
 
@@ -39,7 +48,17 @@ fn moments(counts: Counts, preset: Preset, size: (u32, u32)) -> [Moment; 2] {
         ("material indices", triangles(4)),
     ];
     let pixels = u64::from(size.0) * u64::from(size.1);
-    let building = [("building the bvh", triangles(building(preset)))];
+    let placed = counts.spheres.saturating_add(counts.instances);
+    let building = triangles(building(preset)).saturating_add(placed.saturating_mul(PLACING));
+    let building = [("building the bvh", building)];
+    let places = [
+        ("spheres", counts.spheres.saturating_mul(SPHERE)),
+        ("instances", counts.instances.saturating_mul(INSTANCE)),
+    ];
+    let mesh: Moment = mesh
+        .into_iter()
+        .chain(places.into_iter().filter(|t| t.1 > 0))
+        .collect();
     let rendering = [
         ("bvh nodes", triangles(NODES)),
         ("bvh triangles", triangles(BLOCKS)),
@@ -47,7 +66,7 @@ fn moments(counts: Counts, preset: Preset, size: (u32, u32)) -> [Moment; 2] {
         ("image", pixels * Image::BYTES_PER_PIXEL as u64),
     ];
     [
-        mesh.into_iter().chain(building).collect(),
+        mesh.iter().copied().chain(building).collect(),
         mesh.into_iter().chain(rendering).collect(),
     ]
 }
@@ -129,6 +148,7 @@ mod tests {
         let counts = Counts {
             vertices: 5_000_000,
             triangles: 10_000_000,
+            ..Counts::default()
         };
         // 220 MB of mesh, and 160 or 320 bytes a triangle.
         for (preset, enough) in [

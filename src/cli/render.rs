@@ -81,9 +81,9 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
 
     let label = format!(
         "build over {}",
-        plural(scene.mesh.triangles() as u64, "triangle")
+        plural(scene.stored_triangles() as u64, "triangle")
     );
-    let build = || pool.install(|| Geometry::build_with(&scene.mesh, scene.settings.bvh));
+    let build = || pool.install(|| Geometry::of(&scene, scene.settings.bvh));
     let (geometry, build_seconds) = progress.phase(&label, build);
 
     let film = Film::new(scene.film.width, scene.film.height, scene.settings.tile);

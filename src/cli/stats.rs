@@ -156,7 +156,7 @@ impl Stats {
                 name: scene.name.clone(),
                 file: file.display().to_string(),
                 hash: blake3::Hash::from_bytes(scene.hash).to_hex().to_string(),
-                triangles: scene.mesh.triangles(),
+                triangles: scene.stored_triangles(),
                 vertices: scene.mesh.vertices.len(),
                 materials: scene.materials.len(),
             },

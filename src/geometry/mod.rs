@@ -1,7 +1,8 @@
 //! What rays meet. Everything above sees only [`Geometry`].
 //!
 //! Triangles -> boxes -> binary tree (`build`, `sbvh`, `ploc`) -> eight children a node (`collapse`) ->
-//! tables (`layout`), which the kernels walk.
+//! tables (`layout`), which the kernels walk. A scene with spheres or instances has such a tree for
+//! each object, and one over it all (`world`, `top`).
 
 mod build;
 mod collapse;
@@ -11,16 +12,23 @@ mod ploc;
 mod sbvh;
 #[cfg(test)]
 mod tests_of_presets;
+mod top;
+mod world;
 
-use crate::scene::Mesh;
+use crate::scene::{Mesh, Scene};
 pub use crate::settings::Preset;
 use build::Binary;
 use collapse::Collapse;
 use huygens_kernels::bvh::{Block, Bvh, Node};
 use huygens_kernels::few::Triangle;
+use huygens_kernels::instance::{Guide, Instance};
+use huygens_kernels::levels::{self, Everything, Filter};
 use huygens_kernels::rays::{Hits, Rays, Segments};
+use huygens_kernels::sphere::Sphere;
 use huygens_kernels::{few, many, packet};
 use layout::Layout;
+use obvhs::aabb::Aabb;
+use world::World;
 
 /// Up to so many triangles are all tested rather than sought through the tree: see
 /// `docs/performance.md`.
@@ -33,9 +41,47 @@ pub struct Geometry {
     bounds: Option<[[f32; 3]; 2]>,
     /// All triangles, by rising index, where they are few; else none.
     few: FewTables,
+    /// What is no triangle of the world, where there is anything.
+    world: Option<World>,
+}
+
+/// Rays under way together in worlds of two levels: see `docs/performance.md`.
+const IN_FLIGHT: usize = 32;
+
+/// A tree and its box; none over nothing.
+fn tree(mesh: &Mesh, preset: Preset) -> Option<(Layout, Aabb)> {
+    let tree = Binary::build(mesh, preset)?;
+    let collapse = Collapse::new(&tree);
+    let root = *collapse.aabb(0);
+    Some((Layout::new(mesh, &collapse), root))
 }
 
 impl Geometry {
+    /// Builds over all that `scene` holds: triangles as [`Geometry::build_with`], spheres, and the
+    /// triangles of each object once, however often it is copied.
+    ///
+    /// # Panics
+    /// As [`Geometry::build_with`].
+    #[must_use]
+    pub fn of(scene: &Scene, preset: Preset) -> Self {
+        if scene.spheres.is_empty() && scene.instances.is_empty() {
+            return Self::build_with(&scene.mesh, preset);
+        }
+        let (mut layout, root) = match tree(&scene.mesh, preset) {
+            Some((layout, root)) => (layout, Some(root)),
+            None => (Layout::default(), None),
+        };
+        let world = World::new(scene, &mut layout, root, |object| {
+            tree(&scene.objects[object].mesh, preset)
+        });
+        Self {
+            layout,
+            bounds: world.bounds(),
+            few: FewTables::default(),
+            world: Some(world),
+        }
+    }
+
     /// Builds over all triangles of `mesh` with the default preset: see [`Geometry::build_with`].
     ///
     /// # Panics
@@ -56,21 +102,22 @@ impl Geometry {
     /// On a vertex index outside the mesh, and on more than about 2^31 triangles.
     #[must_use]
     pub fn build_with(mesh: &Mesh, preset: Preset) -> Self {
-        let Some(tree) = Binary::build(mesh, preset) else {
+        let Some((layout, root)) = tree(mesh, preset) else {
             return Self::default();
         };
-        let collapse = Collapse::new(&tree);
-        let root = collapse.aabb(0);
         Self {
-            layout: Layout::new(mesh, &collapse),
+            layout,
             bounds: Some([root.min.to_array(), root.max.to_array()]),
             few: FewTables::new(mesh),
+            world: None,
         }
     }
 
     /// Closest hit of each ray.
     pub fn closest(&self, rays: Rays, hits: Hits) {
-        if self.few.triangles.is_empty() {
+        if self.world.is_some() {
+            self.closest_where(&Everything, rays, hits);
+        } else if self.few.triangles.is_empty() {
             packet::closest(self.bvh(), rays, hits);
         } else {
             few::closest(self.few.view(), rays, hits);
@@ -79,11 +126,46 @@ impl Geometry {
 
     /// For each segment: 1 if something lies on it, 0 if its ends see each other.
     pub fn occluded(&self, segments: Segments, occluded: &mut [u32]) {
-        if self.few.triangles.is_empty() {
+        if self.world.is_some() {
+            self.occluded_where(&Everything, segments, occluded);
+        } else if self.few.triangles.is_empty() {
             many::occluded(self.bvh(), segments, occluded);
         } else {
             few::occluded(self.few.view(), segments, occluded);
         }
+    }
+
+    /// Closest hit of each ray among those that `filter` accepts: what it rejects is as if it were
+    /// not there. The traversal is the one for worlds of two levels, whatever the scene.
+    pub fn closest_where(&self, filter: &impl Filter, rays: Rays, hits: Hits) {
+        levels::closest::<IN_FLIGHT>(&self.levels(), filter, rays, hits);
+    }
+
+    /// For each segment: 1 if something lies on it that `filter` accepts, else 0.
+    pub fn occluded_where(&self, filter: &impl Filter, segments: Segments, occluded: &mut [u32]) {
+        levels::occluded::<IN_FLIGHT>(&self.levels(), filter, segments, occluded);
+    }
+
+    fn levels(&self) -> levels::World<'_> {
+        match &self.world {
+            Some(world) => world.view(self.bvh()),
+            None => levels::World::of_triangles(self.bvh()),
+        }
+    }
+
+    /// Instances as kernels see them, and what finds the one that a hit belongs to.
+    #[must_use]
+    pub fn instances(&self) -> (&[Instance], Option<&Guide>) {
+        match &self.world {
+            Some(world) => (&world.instances, Some(&world.guide)),
+            None => (&[], None),
+        }
+    }
+
+    /// Spheres as kernels see them.
+    #[must_use]
+    pub fn spheres(&self) -> &[Sphere] {
+        self.world.as_ref().map_or(&[], |world| &world.spheres)
     }
 
     /// The tree as kernels see it.
@@ -137,11 +219,15 @@ impl Geometry {
     /// Bytes held, by table.
     #[must_use]
     pub fn memory(&self) -> Vec<(&'static str, usize)> {
-        vec![
+        let mut tables = vec![
             ("bvh nodes", self.nodes() * size_of::<Node>()),
             ("bvh triangles", self.blocks() * size_of::<Block>()),
             ("few triangles", self.few.bytes()),
-        ]
+        ];
+        if let Some(world) = &self.world {
+            tables.extend(world.memory());
+        }
+        tables
     }
 }
 

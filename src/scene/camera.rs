@@ -1,9 +1,10 @@
 //! From what a file says of the camera to the frame that kernels read.
 
-use super::compiled::{Camera, Extent, FilmSpec, Mesh, Projection};
+use super::compiled::{Camera, Extent, FilmSpec, Projection};
 use super::degrees;
 use super::description::{self, FovAxis};
 use super::error::SceneError;
+use super::placed::Placed;
 use super::projection;
 use super::toml::SceneFile;
 use super::transform::{affine, direction, is_singular, vector};
@@ -158,7 +159,7 @@ pub(super) fn halves(half_width: f64, half_height: f64) -> Option<Extent> {
 /// A three-quarter view, y up, from as near as all of the mesh can be seen, and a little further.
 /// Without a mesh: from the world's origin along -z. `None` where the mesh is too large to stand
 /// back from.
-pub(super) fn framing(mesh: &Mesh, film: FilmSpec) -> Option<Camera> {
+pub(super) fn framing(placed: &Placed<'_>, film: FilmSpec) -> Option<Camera> {
     let extent = extent(FOV, FovAxis::Smaller, film)?;
     let projection = Projection::Perspective { extent, lens: None };
     let view = |origin, forward| {
@@ -170,14 +171,11 @@ pub(super) fn framing(mesh: &Mesh, film: FilmSpec) -> Option<Camera> {
         };
         frame(&placement, projection)
     };
-    let corners = || {
-        let vertex = |&v: &u32| DVec3::from_array(mesh.vertices[v as usize].map(f64::from));
-        mesh.indices.iter().flatten().map(vertex)
-    };
-    let Some(first) = corners().next() else {
+    let Some(first) = placed.points().next() else {
         return view(DVec3::ZERO, DVec3::NEG_Z);
     };
-    let (low, high) = corners().fold((first, first), |(l, h), v| (l.min(v), h.max(v)));
+    let both = |(l, h): (DVec3, DVec3), v: DVec3| (l.min(v), h.max(v));
+    let (low, high) = placed.points().fold((first, first), both);
     let centre = 0.5 * (low + high);
     let towards = DVec3::new(0.55, 0.4, 0.75).normalize();
     let at_centre = view(centre, -towards)?;
@@ -186,7 +184,8 @@ pub(super) fn framing(mesh: &Mesh, film: FilmSpec) -> Option<Camera> {
     let up = axis(at_centre.up) / f64::from(extent.half_height);
     // A point is in the image if neither offset exceeds its depth, which is the camera's distance
     // less how far the point lies towards the camera.
-    let distance = corners()
+    let distance = placed
+        .points()
         .map(|v| v - centre)
         .map(|v| v.dot(towards) + v.dot(right).abs().max(v.dot(up).abs()))
         .fold(0.0, f64::max);
@@ -197,7 +196,7 @@ pub(super) fn framing(mesh: &Mesh, film: FilmSpec) -> Option<Camera> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Filter;
+    use crate::scene::{Filter, Mesh};
     use proptest::prelude::*;
 
     fn film(width: u32, height: u32) -> FilmSpec {
@@ -251,7 +250,7 @@ mod tests {
                 vertices,
                 material: Vec::new(), ..Mesh::default() };
             let film = if portrait { film(90, 160) } else { film(160, 90) };
-            let camera = framing(&mesh, film).unwrap();
+            let camera = framing(&Placed::triangles(&mesh), film).unwrap();
             let axis = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
             let Projection::Perspective { extent, lens: None } = camera.projection else {
                 panic!("a pinhole");

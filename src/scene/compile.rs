@@ -12,6 +12,7 @@ use super::light::Sky;
 use super::lights;
 use super::load::GeometryFile;
 use super::material::Material;
+use super::placed::Placed;
 use super::shapes::Shapes;
 use super::surfaces::{Surfaces, bind};
 use super::texture::Store;
@@ -56,10 +57,16 @@ pub(super) fn native(
     for shape in &said.shapes {
         shapes.add(shape)?;
     }
-    let mesh = &shapes.builder.mesh;
+    let (objects, instances) = shapes.instances(said)?;
+    let placed = Placed {
+        mesh: &shapes.builder.mesh,
+        spheres: &shapes.spheres,
+        objects: &objects,
+        instances: &instances,
+    };
     let camera = match &said.camera {
         Some(camera) => camera::compile(camera.get_ref(), camera.span(), film, file)?,
-        None => camera::framing(mesh, film).ok_or_else(|| too_large(path))?,
+        None => camera::framing(&placed, film).ok_or_else(|| too_large(path))?,
     };
     let (sky, sun) = lights::sky(file, said, map)?;
     let mut lights = lights::lights(file, said, &mut shapes.warnings)?;
@@ -76,6 +83,9 @@ pub(super) fn native(
         textures: store.finish(),
         warnings: with_dropped(shapes.warnings, &shapes.builder),
         mesh: shapes.builder.mesh,
+        spheres: shapes.spheres,
+        objects,
+        instances,
     }))
 }
 
@@ -102,7 +112,8 @@ pub(super) fn bare(
             .map_err(|e| SceneError::file(path, e))?;
     }
     let film = film(None);
-    let camera = camera::framing(&builder.mesh, film).ok_or_else(|| too_large(path))?;
+    let placed = Placed::triangles(&builder.mesh);
+    let camera = camera::framing(&placed, film).ok_or_else(|| too_large(path))?;
     let mut scene = Scene {
         name: stem(path),
         hash: [0; 32],
@@ -115,6 +126,9 @@ pub(super) fn bare(
         textures: store.finish(),
         warnings: with_dropped(warnings, &builder),
         mesh: builder.mesh,
+        spheres: Vec::new(),
+        objects: Vec::new(),
+        instances: Vec::new(),
     };
     if !emits(&scene) {
         scene.sky = Some(SOFT_SKY);
@@ -129,7 +143,7 @@ fn finish(mut scene: Scene) -> Scene {
     scene.mesh.material.shrink_to_fit();
     scene.mesh.normals.shrink_to_fit();
     scene.mesh.uvs.shrink_to_fit();
-    if scene.mesh.indices.is_empty() {
+    if scene.is_empty() {
         let message = "no shapes: the camera sees nothing but the sky";
         scene.warnings.push(message.to_owned());
     }
@@ -170,10 +184,12 @@ fn without_coordinates(scene: &Scene) -> Vec<String> {
     named.map(line).collect()
 }
 
-/// Whether any triangle shines.
+/// Whether any triangle or sphere shines.
 fn emits(scene: &Scene) -> bool {
     let shines: Vec<bool> = scene.materials.iter().map(Material::emits).collect();
-    scene.mesh.material.iter().any(|&m| shines[m as usize])
+    let spheres = scene.spheres.iter().map(|s| s.material);
+    let mut worn = scene.mesh.material.iter().copied().chain(spheres);
+    worn.any(|m| shines[m as usize])
 }
 
 fn with_dropped(mut warnings: Vec<String>, builder: &Builder) -> Vec<String> {

@@ -2,6 +2,7 @@
 
 use super::light::{Light, Sky};
 use super::material::Material;
+use super::placed::{Instance, Object, Sphere};
 use super::texture::Texture;
 use crate::settings::Settings;
 use serde::{Deserialize, Serialize};
@@ -17,8 +18,15 @@ pub struct Scene {
     pub camera: Camera,
     /// The film.
     pub film: FilmSpec,
-    /// All triangles.
+    /// All triangles but those of objects.
     pub mesh: Mesh,
+    /// Spheres.
+    pub spheres: Vec<Sphere>,
+    /// What instances copy.
+    pub objects: Vec<Object>,
+    /// Copies of objects. All triangles, spheres and triangles of copies together can be numbered
+    /// with 32 bits, and one to spare.
+    pub instances: Vec<Instance>,
     /// Materials, indexed by [`Mesh::material`].
     pub materials: Vec<Material>,
     /// Textures, indexed by [`super::material::TextureUse::texture`].

@@ -27,6 +27,55 @@ pub(super) struct Description {
     pub(super) lights: Vec<Spanned<Light>>,
     pub(super) materials: BTreeMap<String, Spanned<Material>>,
     pub(super) shapes: Vec<Spanned<Shape>>,
+    pub(super) objects: BTreeMap<String, Object>,
+    pub(super) instances: Vec<Spanned<Instance>>,
+}
+
+impl Description {
+    /// The shapes of the world, then those of objects.
+    pub(super) fn all_shapes(&self) -> impl Iterator<Item = &Spanned<Shape>> {
+        let in_objects = self.objects.values().flat_map(|object| &object.shapes);
+        self.shapes.iter().chain(in_objects)
+    }
+}
+
+/// `[objects.NAME]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[serde(expecting = "a table of `shapes`")]
+pub(super) struct Object {
+    pub(super) shapes: Vec<Spanned<Shape>>,
+}
+
+/// `[[instances]]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[serde(expecting = "a table such as { object = \"tree\" }")]
+pub(super) struct Instance {
+    pub(super) object: Spanned<String>,
+    pub(super) material: Option<Spanned<String>>,
+    pub(super) transform: Option<Spanned<Transform>>,
+    pub(super) scatter: Option<Scatter>,
+}
+
+impl Instance {
+    /// How many copies it stands for.
+    pub(super) fn copies(&self) -> u32 {
+        self.scatter.as_ref().map_or(1, |s| s.count.0)
+    }
+}
+
+/// Many copies over a parallelogram: a corner of it and the two edges from there.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[serde(expecting = "a table of `count`, `corner` and `edges`")]
+pub(super) struct Scatter {
+    pub(super) count: Count,
+    #[serde(default)]
+    pub(super) seed: Natural,
+    pub(super) corner: [Finite; 3],
+    pub(super) edges: [[Finite; 3]; 2],
+    pub(super) scale: Option<[Positive; 2]>,
 }
 
 /// `[camera]`
@@ -166,7 +215,7 @@ pub(super) struct Sun {
     pub(super) angle: Option<Angle>,
 }
 
-/// `[[shapes]]`: exactly one of the first five, which `shapes` checks.
+/// `[[shapes]]`: exactly one of the first six, which `shapes` checks.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 #[serde(expecting = "a table such as { obj = \"file.obj\" }")]
@@ -177,6 +226,7 @@ pub(super) struct Shape {
     #[serde(rename = "box")]
     pub(super) cuboid: Option<Spanned<Cuboid>>,
     pub(super) mesh: Option<Spanned<InlineMesh>>,
+    pub(super) sphere: Option<Ball>,
     pub(super) material: Option<Spanned<String>>,
     pub(super) materials: BTreeMap<Spanned<String>, Spanned<String>>,
     pub(super) transform: Option<Spanned<Transform>>,
@@ -205,8 +255,19 @@ impl Shape {
         Counts {
             vertices,
             triangles,
+            spheres: u64::from(self.sphere.is_some()),
+            ..Counts::default()
         }
     }
+}
+
+/// A sphere; its front is outside.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[serde(expecting = "a table of `center` and `radius`")]
+pub(super) struct Ball {
+    pub(super) center: [Finite; 3],
+    pub(super) radius: Positive,
 }
 
 /// A parallelogram: a corner and the two edges from it. Its front is where they turn

@@ -53,6 +53,28 @@ pub(super) fn of(scene: &Scene) -> [u8; 32] {
         table(bytemuck::cast_slice(&scene.mesh.normals));
         table(bytemuck::cast_slice(&scene.mesh.uvs));
     }
+    if !scene.spheres.is_empty() || !scene.instances.is_empty() {
+        table(b"placed");
+        for s in &scene.spheres {
+            let [x, y, z] = s.centre;
+            table(bytemuck::cast_slice(&[x, y, z, s.radius]));
+            table(&s.material.to_le_bytes());
+        }
+        for object in &scene.objects {
+            let mesh = &object.mesh;
+            table(bytemuck::cast_slice(&mesh.vertices));
+            table(bytemuck::cast_slice(&mesh.indices));
+            table(bytemuck::cast_slice(&mesh.material));
+            table(bytemuck::cast_slice(&mesh.normals));
+            table(bytemuck::cast_slice(&mesh.uvs));
+        }
+        for instance in &scene.instances {
+            table(bytemuck::cast_slice(&instance.placement.to_object));
+            table(bytemuck::cast_slice(&instance.placement.origin));
+            let worn = instance.material.map_or(0, |m| u64::from(m) + 1);
+            table(bytemuck::cast_slice(&[u64::from(instance.object), worn]));
+        }
+    }
     for material in &scene.materials {
         match plain(material) {
             Some(colours) => table(bytemuck::cast_slice(&colours)),

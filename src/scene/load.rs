@@ -88,7 +88,8 @@ impl Source {
         let mut files: Vec<GeometryFile> = Vec::new();
         let surfaces = surfaces::compile(&file, &said.materials)?;
         let shapes = Shapes::new(&file, &surfaces.materials, &[], Vec::new());
-        for shape in &said.shapes {
+        shapes.check_instances(&said)?;
+        for shape in said.all_shapes() {
             shapes.check(shape)?;
             let Some((name, format)) = shape.get_ref().file() else {
                 continue;
@@ -142,7 +143,8 @@ impl Source {
         said.unwrap_or_default()
     }
 
-    /// Vertices and triangles that the compiled scene will have, by the headers of its files and a
+    /// Vertices, triangles, spheres and instances that the compiled scene will have, those of objects
+    /// once, by the headers of its files and a
     /// look through those that have none, without keeping anything: exact, but for vertices that no
     /// triangle uses and triangles of zero area, which loading leaves out; for vertices that are split
     /// where corners of an OBJ file disagree about normals or texture coordinates, which are not
@@ -157,13 +159,17 @@ impl Source {
             Ok(Counts {
                 vertices: one.vertices.saturating_mul(times),
                 triangles: one.triangles.saturating_mul(times),
+                ..Counts::default()
             })
         };
         let counts: Vec<Result<Counts, SceneError>> = self.files.par_iter().map(count).collect();
-        let inline = self.native.iter().flat_map(|native| &native.said.shapes);
+        let inline = self.native.iter();
+        let inline = inline.flat_map(|native| native.said.all_shapes());
         let mut all = inline
             .map(|shape| shape.get_ref().counts())
             .fold(Counts::default(), |a, b| a + b);
+        let instances = self.native.iter().flat_map(|native| &native.said.instances);
+        all.instances = instances.map(|i| u64::from(i.get_ref().copies())).sum();
         for counts in counts {
             all = all + counts?;
         }

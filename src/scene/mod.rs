@@ -14,10 +14,12 @@ mod description;
 mod error;
 mod hash;
 mod import;
+mod instances;
 mod light;
 mod lights;
 mod load;
 pub mod material;
+mod placed;
 mod projection;
 mod shapes;
 mod surfaces;
@@ -35,6 +37,7 @@ pub(crate) use light::row_cosine;
 pub use light::{Environment, Light, LightKind, Sky, Spot};
 pub use load::{Parsed, Source};
 pub use material::{Bsdf, Material, Textured};
+pub use placed::{Instance, Object, Placement, Sphere};
 pub use texture::Texture;
 
 /// Loads and compiles the scene at `path`: a native `.toml` scene, or a bare `.obj` or `.ply`. All

@@ -1,24 +1,26 @@
 //! Shapes of a scene file to triangles in world space.
 
 use super::builder::{Builder, Placed};
-use super::description::{Cuboid, InlineMesh, Rectangle, Shape};
+use super::description::{Ball, Cuboid, InlineMesh, Rectangle, Shape};
 use super::error::SceneError;
 use super::import::{Imported, mtl};
 use super::load::GeometryFile;
 use super::material::{Bsdf, Material};
+use super::placed::Sphere;
 use super::toml::{SceneFile, suggest};
-use super::transform::vector;
+use super::transform::{Transform, vector};
 use super::triangulate::triangulate;
 use super::values::Finite;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
 use std::ops::Range;
 use toml::Spanned;
 
 /// Shapes on their way into a scene's tables.
 pub(super) struct Shapes<'a> {
-    file: &'a SceneFile,
+    pub(super) file: &'a SceneFile,
     pub(super) builder: Builder,
+    pub(super) spheres: Vec<Sphere>,
     pub(super) materials: Vec<Material>,
     pub(super) warnings: Vec<String>,
     /// Materials that the scene file names.
@@ -60,6 +62,7 @@ impl<'a> Shapes<'a> {
         Self {
             file,
             builder: Builder::default(),
+            spheres: Vec::new(),
             materials: materials.to_vec(),
             warnings: Vec::new(),
             named,
@@ -79,9 +82,11 @@ impl<'a> Shapes<'a> {
             shape.rectangle.is_some(),
             shape.cuboid.is_some(),
             shape.mesh.is_some(),
+            shape.sphere.is_some(),
         ];
         if kinds.into_iter().filter(|&given| given).count() != 1 {
-            let message = "expected exactly one of `obj`, `ply`, `rectangle`, `box` or `mesh`";
+            let message =
+                "expected exactly one of `obj`, `ply`, `rectangle`, `box`, `mesh` or `sphere`";
             return Err(self.file.error(span, message));
         }
         if let (None, Some((name, _))) = (&shape.obj, shape.materials.first_key_value()) {
@@ -109,6 +114,11 @@ impl<'a> Shapes<'a> {
             self.cuboid(cuboid, textured)?
         } else if let Some(mesh) = &shape.mesh {
             self.inline_mesh(mesh)?
+        } else if let Some(ball) = &shape.sphere {
+            let sphere = sphere(ball, &transform, self.worn(shape)?);
+            self.spheres
+                .push(sphere.map_err(|e| self.file.error(span, e))?);
+            return Ok(());
         } else {
             return self.add_file(shape, span, transform);
         };
@@ -116,12 +126,31 @@ impl<'a> Shapes<'a> {
     }
 
     fn transform(&self, shape: &Shape) -> Result<DAffine3, SceneError> {
-        match &shape.transform {
+        self.placement(shape.transform.as_ref())
+    }
+
+    /// The map that a transformation means; none leaves everything where it is.
+    pub(super) fn placement(
+        &self,
+        transform: Option<&Spanned<Transform>>,
+    ) -> Result<DAffine3, SceneError> {
+        match transform {
             Some(t) => t
                 .get_ref()
                 .compile()
                 .map_err(|e| self.file.error(t.span(), e)),
             None => Ok(DAffine3::IDENTITY),
+        }
+    }
+
+    /// The material of a shape that is written in the scene file itself.
+    fn worn(&mut self, shape: &Shape) -> Result<u32, SceneError> {
+        match &shape.material {
+            Some(name) => self.lookup(name),
+            None => Ok(*self.grey.get_or_insert_with(|| {
+                self.materials.push(mtl::grey("default"));
+                self.materials.len() as u32 - 1
+            })),
         }
     }
 
@@ -132,13 +161,7 @@ impl<'a> Shapes<'a> {
         transform: DAffine3,
         drawn: &Drawn,
     ) -> Result<(), SceneError> {
-        let material = match &shape.material {
-            Some(name) => self.lookup(name)?,
-            None => *self.grey.get_or_insert_with(|| {
-                self.materials.push(mtl::grey("default"));
-                self.materials.len() as u32 - 1
-            }),
-        };
+        let material = self.worn(shape)?;
         let placed = Placed {
             vertices: &drawn.vertices,
             normals: &drawn.normals,
@@ -231,7 +254,7 @@ impl<'a> Shapes<'a> {
     }
 
     /// Index of a material that the scene file names.
-    fn lookup(&self, name: &Spanned<String>) -> Result<u32, SceneError> {
+    pub(super) fn lookup(&self, name: &Spanned<String>) -> Result<u32, SceneError> {
         self.named.get(name.get_ref()).copied().ok_or_else(|| {
             let mut names: Vec<&str> = self.named.keys().map(String::as_str).collect();
             names.sort_unstable();
@@ -361,5 +384,35 @@ impl Drawn {
             },
             ..Self::default()
         }
+    }
+}
+
+/// A sphere in the world. Its transformation must leave it one: the columns are then of one length
+/// and at right angles, to the roundings of the few products that may have made them.
+fn sphere(ball: &Ball, transform: &DAffine3, material: u32) -> Result<Sphere, &'static str> {
+    let columns = transform.matrix3;
+    let square = columns.transpose() * columns;
+    let scale = (square.x_axis.x + square.y_axis.y + square.z_axis.z) / 3.0;
+    let off = square - DMat3::from_diagonal(DVec3::splat(scale));
+    let largest = off
+        .to_cols_array()
+        .into_iter()
+        .fold(0.0, |m: f64, c| m.max(c.abs()));
+    // A matrix may have been written with the digits of f32.
+    if largest > 16.0 * f64::from(f32::EPSILON) * scale {
+        return Err("a sphere can be scaled, but not differently along different axes");
+    }
+    let centre = transform.transform_point3(vector(ball.center));
+    let sphere = Sphere {
+        centre: centre.as_vec3().to_array(),
+        radius: (ball.radius.0 * scale.sqrt()) as f32,
+        material,
+    };
+    let [x, y, z] = sphere.centre;
+    let fits = [x, y, z, sphere.radius].into_iter().all(f32::is_finite);
+    if fits && sphere.radius > 0.0 {
+        Ok(sphere)
+    } else {
+        Err("the sphere lies beyond the range of 32-bit floats")
     }
 }

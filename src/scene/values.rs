@@ -85,7 +85,7 @@ number!(
 macro_rules! whole {
     ($(#[$doc:meta])* $name:ident, $expected:literal, $range:expr) => {
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
         pub(super) struct $name(pub(super) u32);
 
         impl<'de> Deserialize<'de> for $name {

@@ -5,7 +5,7 @@ use super::light_tree::LightTree;
 use super::tables::{alias_table, area, diagonal, luminance};
 use crate::effects::light_selection;
 use crate::scene::{Light, LightKind, Material, Scene, Sky};
-use crate::settings::{LightSelection, Settings, Strategy};
+use crate::settings::{Integrator, LightSelection, Settings, Strategy};
 use huygens_kernels::light::{PUNCTUAL, Punctual, SKY, TREE};
 use huygens_kernels::tables::Lights;
 use std::f64::consts::{PI, TAU};
@@ -13,6 +13,8 @@ use std::f64::consts::{PI, TAU};
 /// The lights' tables.
 #[derive(Debug, Default)]
 pub(crate) struct LightTables {
+    /// Probability to select each sphere.
+    pub(crate) sphere_selection: Vec<f32>,
     keep: Vec<f32>,
     alias: Vec<u32>,
     source: Vec<u32>,
@@ -37,12 +39,16 @@ impl LightTables {
     /// The tables of `scene`, by the `strategy` and `light_selection` of `settings`: strategies that
     /// look for light by directions sample what these do not find.
     ///
-    /// Powers are `pi * area * sides * luminance` of a triangle, the luminance of the flux of lights of
+    /// Powers are `pi * area * sides * luminance` of a triangle or sphere, the luminance of the flux of lights of
     /// no area, `4 pi^2 r^2 * mean luminance` of the sky over a scene of bounding radius `r` (the
     /// flux through that sphere; *PBRT* 4th ed., 12.5).
     pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
-        let mut tables = Self::default();
-        let all = matches!(settings.strategy, Strategy::Light | Strategy::Mis);
+        let mut tables = Self {
+            sphere_selection: vec![0.0; scene.spheres.len()],
+            ..Self::default()
+        };
+        let all = matches!(settings.strategy, Strategy::Light | Strategy::Mis)
+            || settings.integrator == Integrator::Whitted;
         let exitance = |m: &Material| {
             let sides = 1.0 + f64::from(m.two_sided);
             if all {
@@ -55,13 +61,21 @@ impl LightTables {
         let exitance: Vec<f64> = scene.materials.iter().map(exitance).collect();
         let emits = |triangle: usize| exitance[scene.mesh.material[triangle] as usize] > 0.0;
         // Without geometry there is nothing to light and the radius is 0.
-        let radius = 0.5 * diagonal(&scene.mesh);
+        let radius = 0.5 * diagonal(scene);
         tables.punctual = scene.lights.iter().map(|l| punctual(&l.kind)).collect();
         let (mut near, mut far) = (Vec::new(), Vec::new());
         for i in (0..scene.mesh.triangles()).filter(|&i| emits(i)) {
             let power = exitance[scene.mesh.material[i] as usize] * area(scene.mesh.corners(i));
             let source = i as u32;
             near.push(Powered { source, power });
+        }
+        // Spheres are left out of the tree.
+        for (i, sphere) in scene.spheres.iter().enumerate() {
+            let power = exitance[sphere.material as usize] * sphere.area();
+            if power > 0.0 {
+                let source = (scene.mesh.triangles() + i) as u32;
+                far.push(Powered { source, power });
+            }
         }
         for (k, Light { kind, .. }) in scene.lights.iter().enumerate() {
             if all || kind.is_delta() {
@@ -114,7 +128,12 @@ impl LightTables {
                 (PUNCTUAL.., _) => {
                     tables.punctual[(source & !PUNCTUAL) as usize].selection = selection;
                 }
-                _ => {}
+                _ => {
+                    let sphere = (source as usize).checked_sub(scene.mesh.triangles());
+                    if let Some(sphere) = sphere {
+                        tables.sphere_selection[sphere] = selection;
+                    }
+                }
             }
         }
         tables.source = near.iter().map(|l| l.source).collect();

@@ -42,12 +42,12 @@ impl<'a> Setup<'a> {
     pub(crate) fn new(
         scene: &'a Scene,
         effects: &Effects,
-        scene_tables: &'a SceneTables,
+        scene_tables: &'a SceneTables<'a>,
         geometry: &'a Geometry,
         settings: &Settings,
         filter: &'a [f32],
     ) -> Self {
-        let tenth = 0.1 * tables::diagonal(&scene.mesh) as f32;
+        let tenth = 0.1 * tables::diagonal(scene) as f32;
         let program = Program::new(
             settings.integrator,
             settings.strategy,
@@ -76,7 +76,7 @@ impl<'a> Setup<'a> {
         let routes = Routes::new(routes.collect(), mixtures.is_some());
         Self {
             geometry,
-            tables: scene_tables.view(scene),
+            tables: scene_tables.view(scene, geometry),
             shaders,
             mixtures,
             routes,

@@ -219,7 +219,7 @@ impl Lists {
         wanted: Wanted,
     ) {
         let routes = &setup.routes;
-        let material = setup.tables.triangles.material;
+        let triangles = &setup.tables.triangles;
         self.all().for_each(IndexList::clear);
         for_each_run(&paths.bounces[..n], |bounce, run| {
             for list in self.all() {
@@ -234,7 +234,7 @@ impl Lists {
                     let (material, mut route) = match routes.only {
                         Some(route) => (0, route),
                         None => {
-                            let material = material[primitive as usize];
+                            let material = triangles.material_of(primitive);
                             (material, routes.of[material as usize])
                         }
                     };

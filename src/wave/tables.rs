@@ -2,28 +2,33 @@
 
 use super::lights::LightTables;
 use super::parameters::parameters;
-use crate::scene::{Mesh, Scene};
+use crate::geometry::Geometry;
+use crate::scene::Scene;
 use crate::settings::Settings;
 use huygens_kernels::interpolate::Attributes;
+use huygens_kernels::others::{Object, Others};
 use huygens_kernels::tables::{Materials, SLOTS, Tables, Triangles};
 
 /// Material columns and light tables.
 #[derive(Debug, Default)]
-pub(crate) struct SceneTables {
+pub(crate) struct SceneTables<'a> {
     albedo: [Vec<f32>; 3],
     parameters: [Vec<f32>; SLOTS],
     emission: [Vec<f32>; 3],
     two_sided: Vec<u32>,
     pub(crate) lights: LightTables,
+    objects: Vec<Object<'a>>,
+    sphere_material: Vec<u32>,
 }
 
-impl SceneTables {
+impl<'a> SceneTables<'a> {
     /// The tables of `scene`; of `settings`, how lights are sampled.
-    pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
+    pub(crate) fn new(scene: &'a Scene, settings: &Settings) -> Self {
         let mut tables = Self {
             lights: LightTables::new(scene, settings),
             ..Self::default()
         };
+        tables.others(scene);
         for m in &scene.materials {
             let albedo = m.albedo(&scene.materials);
             for c in 0..3 {
@@ -40,14 +45,39 @@ impl SceneTables {
         tables
     }
 
+    /// What is no triangle of the world, for shading.
+    fn others(&mut self, scene: &'a Scene) {
+        let object = |o: &'a crate::scene::Object| Object {
+            vertices: &o.mesh.vertices,
+            indices: &o.mesh.indices,
+            material: &o.mesh.material,
+        };
+        self.objects = scene.objects.iter().map(object).collect();
+        self.sphere_material = scene.spheres.iter().map(|s| s.material).collect();
+    }
+
+    fn view_of_others(&'a self, scene: &'a Scene, geometry: &'a Geometry) -> Option<Others<'a>> {
+        let (instances, guide) = geometry.instances();
+        Some(Others {
+            first: scene.mesh.triangles() as u32,
+            spheres: geometry.spheres(),
+            sphere_material: &self.sphere_material,
+            sphere_selection: &self.lights.sphere_selection,
+            instances,
+            guide: guide?,
+            objects: &self.objects,
+        })
+    }
+
     /// The view that kernels take.
-    pub(crate) fn view<'a>(&'a self, scene: &'a Scene) -> Tables<'a> {
+    pub(crate) fn view(&'a self, scene: &'a Scene, geometry: &'a Geometry) -> Tables<'a> {
         let columns = |c: &'a [Vec<f32>; 3]| [&c[0][..], &c[1], &c[2]];
         Tables {
             triangles: Triangles {
                 vertices: &scene.mesh.vertices,
                 indices: &scene.mesh.indices,
                 material: &scene.mesh.material,
+                others: self.view_of_others(scene, geometry),
             },
             materials: Materials {
                 albedo: columns(&self.albedo),
@@ -70,17 +100,10 @@ pub(crate) fn luminance(c: [f32; 3]) -> f64 {
     0.2126 * f64::from(c[0]) + 0.7152 * f64::from(c[1]) + 0.0722 * f64::from(c[2])
 }
 
-/// Diagonal of the box around the vertices; 0 without any.
-pub(crate) fn diagonal(mesh: &Mesh) -> f64 {
-    let mut vertices = mesh
-        .vertices
-        .iter()
-        .map(|v| glam::DVec3::from_array(v.map(f64::from)));
-    let Some(first) = vertices.next() else {
-        return 0.0;
-    };
-    let (lo, hi) = vertices.fold((first, first), |(lo, hi), v| (lo.min(v), hi.max(v)));
-    (hi - lo).length()
+/// Diagonal of the box around everything; 0 around nothing.
+pub(crate) fn diagonal(scene: &Scene) -> f64 {
+    let bounds = scene.bounds();
+    bounds.map_or(0.0, |[low, high]| (high - low).length())
 }
 
 /// Area of a triangle.

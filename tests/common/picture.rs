@@ -97,7 +97,7 @@ pub(crate) fn by_reference(scene: &Scene, settings: &Settings) -> Picture {
 /// Renders through the wave.
 pub(crate) fn render(scene: &Scene, settings: &Settings) -> (Image, RenderStats) {
     let film = Film::new(scene.film.width, scene.film.height, settings.tile);
-    let geometry = Geometry::build(&scene.mesh);
+    let geometry = Geometry::of(scene, settings.bvh);
     let stats = wave::render(scene, &geometry, settings, &film, &Control::default());
     assert_eq!(
         stats.samples,

@@ -1,11 +1,17 @@
 //! Scenes with known answers, built in code so that no test here depends on a scene file.
 
-use huygens::scene::{Camera, Extent, FilmSpec, Filter, Lens, Material, Mesh, Projection, Scene};
+use huygens::scene::{
+    Camera, Extent, FilmSpec, Filter, Instance, Lens, Material, Mesh, Object, Placement,
+    Projection, Scene, Sphere,
+};
 use huygens::settings::Settings;
 
 /// A scene under construction.
 pub(crate) struct Builder {
     mesh: Mesh,
+    spheres: Vec<Sphere>,
+    objects: Vec<Object>,
+    instances: Vec<Instance>,
     materials: Vec<Material>,
 }
 
@@ -13,6 +19,9 @@ impl Builder {
     pub(crate) fn new() -> Self {
         Self {
             mesh: Mesh::default(),
+            spheres: Vec::new(),
+            objects: Vec::new(),
+            instances: Vec::new(),
             materials: Vec::new(),
         }
     }
@@ -67,6 +76,33 @@ impl Builder {
         }
     }
 
+    /// A sphere.
+    pub(crate) fn sphere(&mut self, material: u32, centre: [f32; 3], radius: f32) {
+        self.spheres.push(Sphere {
+            centre,
+            radius,
+            material,
+        });
+    }
+
+    /// Makes all triangles so far an object; its index.
+    pub(crate) fn object(&mut self) -> u32 {
+        self.objects.push(Object {
+            name: format!("object {}", self.objects.len()),
+            mesh: std::mem::take(&mut self.mesh),
+        });
+        self.objects.len() as u32 - 1
+    }
+
+    /// A copy of an object.
+    pub(crate) fn instance(&mut self, object: u32, map: &glam::DAffine3, material: Option<u32>) {
+        self.instances.push(Instance {
+            object,
+            placement: Placement::new(map).expect("a map of ordinary size"),
+            material,
+        });
+    }
+
     /// The finished scene.
     pub(crate) fn scene(self, camera: Camera, width: u32, height: u32) -> Scene {
         Scene {
@@ -80,6 +116,9 @@ impl Builder {
             },
             mesh: self.mesh,
             materials: self.materials,
+            spheres: self.spheres,
+            objects: self.objects,
+            instances: self.instances,
             textures: Vec::new(),
             sky: None,
             lights: Vec::new(),

@@ -7,6 +7,7 @@
 
 pub mod meshes;
 pub mod oracle;
+pub mod worlds;
 
 use huygens::geometry::Geometry;
 use huygens::scene::Mesh;
@@ -211,13 +212,20 @@ impl RaySet {
     }
 
     pub fn closest(&self, geometry: &Geometry) -> Vec<Hit> {
+        let mut all = Vec::new();
+        self.each(|rays, hits| geometry.closest(rays, hits), &mut all);
+        all
+    }
+
+    /// Closest hits by a kernel.
+    pub fn each(&self, kernel: impl FnOnce(Rays, Hits), out: &mut Vec<Hit>) {
         let n = padded(self.len());
         let origin: [Vec<f32>; 3] = std::array::from_fn(|a| self.column(&self.origin, a));
         let direction: [Vec<f32>; 3] = std::array::from_fn(|a| self.column(&self.direction, a));
         let leaves = Self::padded(&self.leaves, 0);
         let (mut primitive, mut t) = (vec![0xdead_beef; n], vec![-7.0; n]);
         let (mut u, mut v) = (vec![-7.0; n], vec![-7.0; n]);
-        geometry.closest(
+        kernel(
             Rays {
                 len: self.len(),
                 origin: origin.each_ref().map(Vec::as_slice),
@@ -231,24 +239,29 @@ impl RaySet {
                 v: &mut v,
             },
         );
-        (0..self.len())
-            .map(|i| Hit {
-                primitive: primitive[i],
-                t: t[i],
-                u: u[i],
-                v: v[i],
-            })
-            .collect()
+        out.extend((0..self.len()).map(|i| Hit {
+            primitive: primitive[i],
+            t: t[i],
+            u: u[i],
+            v: v[i],
+        }));
     }
 
     pub fn occluded(&self, geometry: &Geometry) -> Vec<bool> {
+        let mut all = Vec::new();
+        self.each_segment(|segments, out| geometry.occluded(segments, out), &mut all);
+        all
+    }
+
+    /// Occlusion by a kernel.
+    pub fn each_segment(&self, kernel: impl FnOnce(Segments, &mut [u32]), all: &mut Vec<bool>) {
         let origin: [Vec<f32>; 3] = std::array::from_fn(|a| self.column(&self.origin, a));
         let direction: [Vec<f32>; 3] = std::array::from_fn(|a| self.column(&self.direction, a));
         let leaves = Self::padded(&self.leaves, 0);
         let reaches = Self::padded(&self.reaches, 0);
         let t_max = Self::padded(&self.t_max, f32::NAN);
         let mut out = vec![7; padded(self.len())];
-        geometry.occluded(
+        kernel(
             Segments {
                 len: self.len(),
                 origin: origin.each_ref().map(Vec::as_slice),
@@ -261,6 +274,6 @@ impl RaySet {
         );
         out.truncate(self.len());
         assert!(out.iter().all(|&o| o <= 1), "occlusion is 0 or 1");
-        out.into_iter().map(|o| o == 1).collect()
+        all.extend(out.into_iter().map(|o| o == 1));
     }
 }

@@ -7,10 +7,10 @@ use super::draw;
 use crate::cost::{Cost, columns, item};
 use crate::hemisphere::Frame;
 use crate::interpolate::{Interpolated, towards};
-use crate::lanes::{Ux, as_bits, gather, gather_u32, store, store_u32};
+use crate::lanes::{Fx, Ux, as_bits, as_mask, gather, gather_u32, store, store_u32};
 use crate::queues::{DrawnMut, Listed, PathHitsMut, PathsMut, SmoothMut, SurfacesMut};
 use crate::sampler::{Block, Sampler};
-use crate::surface::{self, Corners, clearance};
+use crate::surface::{self, Place};
 use crate::tables::Tables;
 use crate::vec3::Vec3x;
 
@@ -37,21 +37,25 @@ pub fn interact<S: Sampler>(
         let direction = Vec3x::gather_columns(listed.paths.direction, at);
         let primitive: Ux = gather_u32(listed.hits.primitive, at);
         let (u, v) = (gather(listed.hits.u, at), gather(listed.hits.v, at));
-        let corners = Corners::gather(&tables.triangles, primitive);
-        let outside = corners.unit_normal();
-        let front = outside.dot(direction).simd_lt(crate::lanes::Fx::ZERO);
+        let place = Place::of(&tables.triangles, primitive, u, v);
+        let outside = place.outside;
+        let front = outside.dot(direction).simd_lt(Fx::ZERO);
         let normal = Vec3x::select(front, outside, -outside);
-        let (point, scale) = corners.point(u, v);
         let mut shading = normal;
         if let (Some(attributes), Some(smooth)) = (&tables.attributes, &mut smooth) {
-            let bent = Interpolated::at(&tables.triangles, attributes, primitive, u, v);
+            // Only triangles of the world carry attributes; others borrow one's.
+            let count = Ux::splat(tables.triangles.indices.len() as u32);
+            let own = as_mask(primitive.simd_lt(count));
+            let some = as_bits(own) & primitive;
+            let bent = Interpolated::at(&tables.triangles, attributes, some, u, v);
             let facing = Vec3x::select(front, bent.normal, -bent.normal);
-            shading = towards(facing, normal, -direction);
-            store(smooth.coherence, i, bent.coherence);
+            let towards = towards(facing, normal, -direction);
+            shading = Vec3x::select(own, towards, normal);
+            store(smooth.coherence, i, own.select(bent.coherence, Fx::ONE));
         }
         let s = &mut surfaces;
-        point.store(&mut s.point, i);
-        store(s.clearance, i, clearance(scale, normal));
+        place.point.store(&mut s.point, i);
+        store(s.clearance, i, place.clearance);
         normal.store(&mut s.normal, i);
         shading.store(&mut s.shading, i);
         let local = Frame::about(shading).to_local(-direction);
@@ -60,7 +64,7 @@ pub fn interact<S: Sampler>(
         store_u32(s.primitive, i, primitive);
         let material = match listed.material {
             Some(met) => gather_u32(met, at),
-            None => gather_u32(tables.triangles.material, primitive),
+            None => place.material,
         };
         store_u32(s.material, i, material);
 

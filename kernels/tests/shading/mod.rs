@@ -68,6 +68,7 @@ impl Patch {
             vertices: &self.vertices,
             indices: &[[0, 1, 2]],
             material: &[0],
+            others: None,
         };
         let attributes = Attributes {
             normals: &self.normals,

@@ -18,6 +18,10 @@ pub(crate) struct Contents {
     pub(super) hash: String,
     pub(super) triangles: usize,
     pub(super) vertices: usize,
+    pub(super) spheres: usize,
+    pub(super) instances: usize,
+    /// Those of instances counted as often as they are there.
+    pub(super) placed_triangles: u64,
     pub(super) area: f64,
     pub(super) bounds: Bounds,
     pub(super) image: ImageContents,
@@ -52,6 +56,7 @@ pub(super) struct ImageContents {
 pub(super) struct MaterialContents {
     pub(super) name: String,
     pub(super) triangles: usize,
+    pub(super) spheres: usize,
     pub(super) area: f64,
     pub(super) albedo: [f32; 3],
     pub(super) emission: [f32; 3],
@@ -63,6 +68,7 @@ pub(super) struct Light {
     pub(super) kind: &'static str,
     pub(super) name: String,
     pub(super) triangles: usize,
+    pub(super) spheres: usize,
     pub(super) radiance: [f32; 3],
     pub(super) power: [f64; 3],
 }
@@ -84,17 +90,21 @@ impl Contents {
         plan: Plan,
     ) -> Self {
         let materials = materials(scene);
-        let bounds = Bounds::of(&scene.mesh);
+        let bounds = Bounds::of(scene);
         let memory = memory(scene, tables);
-        let triangles = scene.mesh.triangles();
+        let triangles = scene.stored_triangles();
+        let objects = scene.objects.iter().map(|o| o.mesh.vertices.len());
         let geometry = memory.iter().filter(|t| grows(t.table));
         Self {
             schema: 1,
             name: scene.name.clone(),
             file: file.display().to_string(),
             hash: blake3::Hash::from_bytes(scene.hash).to_hex().to_string(),
-            triangles: scene.mesh.triangles(),
-            vertices: scene.mesh.vertices.len(),
+            triangles,
+            vertices: scene.mesh.vertices.len() + objects.sum::<usize>(),
+            spheres: scene.spheres.len(),
+            instances: scene.instances.len(),
+            placed_triangles: scene.placed_triangles(),
             area: materials.iter().map(|m| m.area).sum(),
             lights: lights(scene, &materials, &bounds),
             bounds,
@@ -115,14 +125,11 @@ impl Contents {
 }
 
 impl Bounds {
-    fn of(mesh: &Mesh) -> Self {
-        let reduce = |pick: fn(f32, f32) -> f32| {
-            let combine = |a: [f32; 3], b: [f32; 3]| std::array::from_fn(|c| pick(a[c], b[c]));
-            mesh.vertices.iter().copied().reduce(combine)
-        };
+    fn of(scene: &Scene) -> Self {
+        let corner = |k: usize| scene.bounds().map(|b| b[k].as_vec3().to_array());
         Self {
-            min: reduce(f32::min),
-            max: reduce(f32::max),
+            min: corner(0),
+            max: corner(1),
         }
     }
 
@@ -137,15 +144,25 @@ impl Bounds {
 }
 
 fn materials(scene: &Scene) -> Vec<MaterialContents> {
-    let mut worn = vec![(0, 0.0); scene.materials.len()];
+    let mut worn = vec![(0, 0, 0.0); scene.materials.len()];
     for triangle in 0..scene.mesh.triangles() {
-        let (count, all) = &mut worn[scene.mesh.material[triangle] as usize];
+        let (count, _, all) = &mut worn[scene.mesh.material[triangle] as usize];
         *count += 1;
         *all += area(scene.mesh.corners(triangle));
     }
-    let contents = |(m, (triangles, area)): (&scene::Material, (usize, f64))| MaterialContents {
+    for &material in scene.objects.iter().flat_map(|o| &o.mesh.material) {
+        worn[material as usize].0 += 1;
+    }
+    for sphere in &scene.spheres {
+        let (_, count, all) = &mut worn[sphere.material as usize];
+        *count += 1;
+        *all += sphere.area();
+    }
+    type Worn = (usize, usize, f64);
+    let contents = |(m, (triangles, spheres, area)): (&scene::Material, Worn)| MaterialContents {
         name: m.name.clone(),
         triangles,
+        spheres,
         area,
         albedo: m.albedo(&scene.materials),
         emission: m.emission.factor,
@@ -165,13 +182,15 @@ fn area(corners: [[f32; 3]; 3]) -> f64 {
 }
 
 fn lights(scene: &Scene, materials: &[MaterialContents], bounds: &Bounds) -> Vec<Light> {
-    let emits = |m: &&MaterialContents| m.triangles > 0 && m.emission.iter().any(|&e| e > 0.0);
+    let shines = |m: &MaterialContents| m.emission.iter().any(|&e| e > 0.0);
+    let emits = |m: &&MaterialContents| m.triangles + m.spheres > 0 && shines(m);
     let surface = |m: &MaterialContents| {
         let sides = if m.two_sided { 2.0 } else { 1.0 };
         Light {
             kind: "area",
             name: m.name.clone(),
             triangles: m.triangles,
+            spheres: m.spheres,
             radiance: m.emission,
             power: m.emission.map(|l| PI * m.area * sides * f64::from(l)),
         }
@@ -184,6 +203,7 @@ fn lights(scene: &Scene, materials: &[MaterialContents], bounds: &Bounds) -> Vec
         },
         name: light.name.clone(),
         triangles: 0,
+        spheres: 0,
         radiance: match light.kind.extent() {
             0.0 => [0.0; 3],
             _ => light.kind.radiance().map(|l| l as f32),
@@ -200,6 +220,7 @@ fn lights(scene: &Scene, materials: &[MaterialContents], bounds: &Bounds) -> Vec
         },
         name: "sky".to_owned(),
         triangles: 0,
+        spheres: 0,
         radiance: sky.mean(),
         // The sphere's surface times pi L, L the mean: all of it is lit from all sides together.
         power: sky
@@ -234,7 +255,7 @@ fn memory(scene: &Scene, tables: &[(&'static str, usize)]) -> Vec<Table> {
     let table = |table, bytes| Table {
         table,
         bytes,
-        bytes_per_triangle: each(bytes, mesh.triangles()).filter(|_| grows(table)),
+        bytes_per_triangle: each(bytes, scene.stored_triangles()).filter(|_| grows(table)),
     };
     let own = [
         table("vertices", size_of_val(mesh.vertices.as_slice())),
@@ -249,8 +270,22 @@ fn memory(scene: &Scene, tables: &[(&'static str, usize)]) -> Vec<Table> {
         table(TEXTURES, textures),
     ];
     let asked = asked.into_iter().filter(|t| t.bytes > 0);
+    let objects = || scene.objects.iter().map(|o| &o.mesh);
+    let of = |bytes: fn(&Mesh) -> usize| objects().map(bytes).sum::<usize>();
+    let placed = [
+        table("object vertices", of(|m| size_of_val(&m.vertices[..]))),
+        table("object indices", of(|m| size_of_val(&m.indices[..]))),
+        table("object materials", of(|m| size_of_val(&m.material[..]))),
+        table("instances", size_of_val(&scene.instances[..])),
+        table("spheres", size_of_val(&scene.spheres[..])),
+    ];
+    let placed = placed.into_iter().filter(|t| t.bytes > 0);
     let others = tables.iter().map(|&(name, bytes)| table(name, bytes));
-    own.into_iter().chain(asked).chain(others).collect()
+    own.into_iter()
+        .chain(asked)
+        .chain(placed)
+        .chain(others)
+        .collect()
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::contents::Contents;
 use crate::cli::summary::plural;
-use crate::cli::text::bytes;
+use crate::cli::text::{bytes, si};
 use std::fmt::Write;
 
 impl Contents {
@@ -20,6 +20,14 @@ impl Contents {
                 vertices(self.vertices)
             ),
         );
+        if self.spheres > 0 {
+            line("", plural(self.spheres as u64, "sphere"));
+        }
+        if self.instances > 0 {
+            let copies = plural(self.instances as u64, "instance");
+            let all = si(self.placed_triangles as f64);
+            line("", format!("{copies}: {}triangles in the world", all));
+        }
         if let (Some(min), Some(max)) = (self.bounds.min, self.bounds.max) {
             line("bounds", format!("{} to {}", list(min), list(max)));
         }
@@ -37,7 +45,7 @@ impl Contents {
         );
         line("settings", self.settings.clone());
         for m in &self.materials {
-            let what = plural(m.triangles as u64, "triangle");
+            let what = surfaces(m.triangles, m.spheres);
             line(
                 "material",
                 format!("{}: albedo {}, {what}", name(&m.name), list(m.albedo)),
@@ -45,9 +53,9 @@ impl Contents {
         }
         for l in &self.lights {
             let (radiance, power) = (list(l.radiance), list(l.power.map(|p| p as f32)));
-            let what = match l.triangles {
+            let what = match l.triangles + l.spheres {
                 0 => String::new(),
-                n => format!(", {}", plural(n as u64, "triangle")),
+                _ => format!(", {}", surfaces(l.triangles, l.spheres)),
             };
             let name = name(&l.name);
             line(
@@ -97,6 +105,14 @@ impl Contents {
 /// Files may leave their materials without a name.
 fn name(name: &str) -> &str {
     if name.is_empty() { "(unnamed)" } else { name }
+}
+
+fn surfaces(triangles: usize, spheres: usize) -> String {
+    let triangles_too = plural(triangles as u64, "triangle");
+    match spheres {
+        0 => triangles_too,
+        n => format!("{triangles_too}, {}", plural(n as u64, "sphere")),
+    }
 }
 
 fn vertices(n: usize) -> String {

@@ -43,6 +43,10 @@ pub struct Counts {
     pub vertices: u64,
     /// Triangles.
     pub triangles: u64,
+    /// Spheres.
+    pub spheres: u64,
+    /// Instances.
+    pub instances: u64,
 }
 
 impl std::ops::Add for Counts {
@@ -51,6 +55,8 @@ impl std::ops::Add for Counts {
         Self {
             vertices: self.vertices.saturating_add(other.vertices),
             triangles: self.triangles.saturating_add(other.triangles),
+            spheres: self.spheres.saturating_add(other.spheres),
+            instances: self.instances.saturating_add(other.instances),
         }
     }
 }

@@ -167,6 +167,7 @@ impl Header {
                 .get_element("vertex")
                 .map_or(0, |v| fits(v.count as u64, row(self.format(), v))),
             triangles: corners.saturating_sub(faces.saturating_mul(2)),
+            ..Counts::default()
         })
     }
 

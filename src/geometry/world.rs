@@ -1,0 +1,222 @@
+//! A world of two levels: a tree an object, one over the world's own triangles, and the tree over
+//! all of that and the spheres (`top.rs`), in the tables that `kernels/src/levels.rs` walks.
+
+use super::layout::Layout;
+use super::top::{Item, Top};
+use crate::scene::{Placement, Scene};
+use glam::{DVec3, Vec3A};
+use huygens_kernels::bvh::{Bvh, LEAF, NOTHING, Node, index, leaf};
+use huygens_kernels::instance::{Guide, Instance, OWN_MATERIAL};
+use huygens_kernels::levels;
+use huygens_kernels::sphere::{Sphere, SphereBlock};
+use obvhs::aabb::Aabb;
+
+/// What a world has besides the tables of its trees' nodes and blocks.
+#[derive(Debug, Default)]
+pub(super) struct World {
+    root: u32,
+    own_root: u32,
+    aabb: Option<Aabb>,
+    blocks: Vec<SphereBlock>,
+    /// By rising number of the first triangle.
+    pub(super) instances: Vec<Instance>,
+    pub(super) guide: Guide,
+    /// Spheres by their places, for shading.
+    pub(super) spheres: Vec<Sphere>,
+}
+
+/// A tree among others: where its root is, and its box.
+struct Rooted {
+    root: u32,
+    aabb: Aabb,
+}
+
+impl World {
+    /// Puts the trees of a scene's objects, and the one over everything, behind `own`, the tree of
+    /// its own triangles with its box. `tree` builds the tree of an object.
+    ///
+    /// # Panics
+    /// If hits cannot be numbered with 32 bits: a compiled scene promises it.
+    pub(super) fn new(
+        scene: &Scene,
+        own: &mut Layout,
+        own_box: Option<Aabb>,
+        tree: impl Fn(usize) -> Option<(Layout, Aabb)>,
+    ) -> Self {
+        let own_root = Rooted::own(own_box);
+        let objects: Vec<Option<Rooted>> = (0..scene.objects.len())
+            .map(|i| tree(i).map(|(layout, aabb)| Rooted::behind(own, layout, aabb)))
+            .collect();
+        let mut first = (scene.mesh.triangles() + scene.spheres.len()) as u64;
+        let (mut instances, mut items) = (Vec::new(), Vec::new());
+        for instance in &scene.instances {
+            let object = instance.object as usize;
+            let Some(Rooted { root, aabb }) = &objects[object] else {
+                continue;
+            };
+            let Placement {
+                to_object,
+                to_world,
+                origin,
+            } = instance.placement;
+            items.push(Item {
+                aabb: placed(aabb, &instance.placement),
+                is_sphere: false,
+            });
+            instances.push(Instance {
+                to_object,
+                to_world,
+                origin,
+                first: u32::try_from(first).expect("hits are numbered with 32 bits"),
+                object: instance.object,
+                material: instance.material.unwrap_or(OWN_MATERIAL),
+                root: *root,
+                spare: [0; 7],
+            });
+            first += scene.objects[object].mesh.triangles() as u64;
+        }
+        let end = u32::try_from(first).expect("hits are numbered with 32 bits");
+        let guide = Guide::new(&instances, end);
+        if let Some(own) = &own_root {
+            items.push(Item {
+                aabb: own.aabb,
+                is_sphere: false,
+            });
+        }
+        let doors = items.len();
+        let spheres: Vec<Sphere> = scene.spheres.iter().map(in_kernels).collect();
+        items.extend(spheres.iter().map(|sphere| Item {
+            aabb: around(sphere),
+            is_sphere: true,
+        }));
+        let mut world = Self {
+            root: NOTHING,
+            own_root: own_root.map_or(NOTHING, |own| own.root),
+            aabb: items
+                .iter()
+                .map(|item| item.aabb)
+                .reduce(|a, b| a.union(&b)),
+            blocks: Vec::new(),
+            instances,
+            guide,
+            spheres,
+        };
+        if items.is_empty() {
+            return world;
+        }
+        // How many blocks of spheres there are, which doors are numbered after, is only known in the
+        // end: until then doors are numbered from the last possible reference down.
+        let blocks = &mut world.blocks;
+        let base = scene.mesh.triangles();
+        let door = |i: usize| NOTHING - 1 - i as u32;
+        let (nodes, depth) = Top::build(&items, |run| match run {
+            &[one] if (one as usize) < doors => door(one as usize),
+            _ => {
+                let row = |&i: &u32| {
+                    let i = i as usize - doors;
+                    ((base + i) as u32, world.spheres[i])
+                };
+                let rows: Vec<(u32, Sphere)> = run.iter().map(row).collect();
+                blocks.push(SphereBlock::new(&rows));
+                levels::World::sphere_leaf(blocks.len() - 1)
+            }
+        });
+        own.depth += depth;
+        let first = own.nodes.len() as u32;
+        let blocks = world.blocks.len();
+        own.nodes.extend(nodes.into_iter().map(|mut node| {
+            for child in node.child.as_mut_array() {
+                *child = match *child {
+                    NOTHING => NOTHING,
+                    c if c & LEAF == 0 => first + c,
+                    c if doors > 0 && c >= door(doors - 1) => {
+                        levels::World::instance_leaf(blocks, (NOTHING - 1 - c) as usize)
+                    }
+                    c => c,
+                };
+            }
+            node
+        }));
+        world.root = first;
+        world
+    }
+
+    pub(super) fn view<'a>(&'a self, bvh: Bvh<'a>) -> levels::World<'a> {
+        levels::World {
+            bvh,
+            root: self.root,
+            own_root: self.own_root,
+            spheres: &self.blocks,
+            instances: &self.instances,
+        }
+    }
+
+    pub(super) fn bounds(&self) -> Option<[[f32; 3]; 2]> {
+        self.aabb.map(|b| [b.min.to_array(), b.max.to_array()])
+    }
+
+    pub(super) fn memory(&self) -> [(&'static str, usize); 2] {
+        let spheres = size_of_val(self.blocks.as_slice()) + size_of_val(self.spheres.as_slice());
+        let instances = size_of_val(self.instances.as_slice()) + self.guide.bytes();
+        [("bvh spheres", spheres), ("bvh instances", instances)]
+    }
+}
+
+impl Rooted {
+    fn own(aabb: Option<Aabb>) -> Option<Self> {
+        aabb.map(|aabb| Self { root: 0, aabb })
+    }
+
+    /// Puts a tree behind others.
+    fn behind(all: &mut Layout, tree: Layout, aabb: Aabb) -> Self {
+        let (root, block) = (all.nodes.len() as u32, all.blocks.len());
+        let moved = |mut node: Node| {
+            for child in node.child.as_mut_array() {
+                *child = match *child {
+                    NOTHING => NOTHING,
+                    c if c & LEAF != 0 => leaf(block + index(c)),
+                    c => root + c,
+                };
+            }
+            node
+        };
+        all.nodes.extend(tree.nodes.into_iter().map(moved));
+        all.blocks.extend(tree.blocks);
+        all.triangles += tree.triangles;
+        all.depth = all.depth.max(tree.depth);
+        Self { root, aabb }
+    }
+}
+
+fn in_kernels(sphere: &crate::scene::Sphere) -> Sphere {
+    Sphere {
+        centre: sphere.centre,
+        radius: sphere.radius,
+    }
+}
+
+/// Rounded outwards from f64: to the next f32 of what the cast has rounded to the nearest, and that
+/// of one more for the rounding of the f64.
+fn outwards(low: DVec3, high: DVec3) -> Aabb {
+    let low = low.to_array().map(|c| (c as f32).next_down().next_down());
+    let high = high.to_array().map(|c| (c as f32).next_up().next_up());
+    Aabb::new(Vec3A::from_array(low), Vec3A::from_array(high))
+}
+
+fn around(sphere: &Sphere) -> Aabb {
+    let centre = DVec3::from_array(sphere.centre.map(f64::from));
+    let radius = DVec3::splat(sphere.radius.into());
+    outwards(centre - radius, centre + radius)
+}
+
+/// The box around the image of a box: of each axis the sum of its edges' images (J. Arvo,
+/// "Transforming Axis-Aligned Bounding Boxes", *Graphics Gems*, 1990).
+fn placed(aabb: &Aabb, placement: &Placement) -> Aabb {
+    let map = placement.map();
+    let (low, high) = (aabb.min.as_dvec3(), aabb.max.as_dvec3());
+    let centre = map.transform_point3(0.5 * (low + high));
+    let half = 0.5 * (high - low);
+    let m = map.matrix3;
+    let reach = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
+    outwards(centre - reach, centre + reach)
+}

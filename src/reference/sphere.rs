@@ -1,0 +1,57 @@
+//! The oracle's spheres and copies, in the formulas of school.
+
+use super::{Ray, Triangle, Worn, vector};
+use crate::scene::{self, Scene};
+use glam::DVec3;
+
+/// A sphere.
+#[derive(Debug)]
+pub(super) struct Sphere {
+    pub(super) centre: DVec3,
+    radius: f64,
+    pub(super) worn: Worn,
+}
+
+impl Sphere {
+    pub(super) fn new(sphere: &scene::Sphere, scene: &Scene) -> Self {
+        Self {
+            centre: vector(sphere.centre),
+            radius: sphere.radius.into(),
+            worn: Worn::new(scene, sphere.material),
+        }
+    }
+
+    /// Ray parameter of the first hit beyond `nearest`. A ray that `leaves` the sphere is on it: one
+    /// root is 0, the other is the hit.
+    pub(super) fn intersect(&self, ray: &Ray, leaves: bool, nearest: f64) -> Option<f64> {
+        let f = ray.origin - self.centre;
+        let half = -f.dot(ray.direction);
+        if leaves {
+            return Some(2.0 * half).filter(|&t| t > nearest);
+        }
+        let root = (half * half - (f.length_squared() - self.radius * self.radius)).sqrt();
+        // No comparison holds of the root of a negative number.
+        [half - root, half + root]
+            .into_iter()
+            .find(|&t| t > nearest)
+    }
+}
+
+/// The triangles of all instances, placed in the world. A map that mirrors would turn the fronts
+/// over; they stay fronts.
+pub(super) fn copies(scene: &Scene) -> impl Iterator<Item = Triangle> + '_ {
+    scene.instances.iter().flat_map(move |instance| {
+        let mesh = &scene.objects[instance.object as usize].mesh;
+        let map = instance.placement.map();
+        let mirrors = map.matrix3.determinant() < 0.0;
+        (0..mesh.triangles()).map(move |i| {
+            let [a, b, c] = mesh.corners(i).map(|p| map.transform_point3(vector(p)));
+            let corners = if mirrors { [a, c, b] } else { [a, b, c] };
+            Triangle::new(
+                corners,
+                scene,
+                instance.material.unwrap_or(mesh.material[i]),
+            )
+        })
+    })
+}
