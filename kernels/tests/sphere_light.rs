@@ -43,6 +43,7 @@ fn with_lamp(h: f32, r: f32, test: impl Fn(&Tables, &Others, &Anchor)) {
             two_sided: &[u32::MAX],
             area_pdf: &[0.0],
         },
+        attributes: None,
         lights: Lights {
             keep: ONE,
             alias: &[0],
