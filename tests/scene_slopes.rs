@@ -40,7 +40,7 @@ fn with(mut scene: Scene, size: u32, settings: Settings) -> Scene {
 fn sky() -> Scene {
     let mut b = Builder::new();
     let grey = b.material([0.5; 3], [0.0; 3]);
-    let (d, h) = (0.5, 1.0);
+    let (d, h) = (1.0, 2.0);
     b.quad(grey, [[-d, h, -d], [d, h, -d], [d, h, d], [-d, h, d]]);
     let mut scene = floor_from_above(0.5, b);
     scene.sky = Some(Sky::Gradient {
@@ -91,9 +91,13 @@ fn independent_samples_have_a_slope_of_a_half() {
 fn sobol_points_are_steeper_on_smooth_pixels() {
     let mut smooth = floor_from_above(0.5, Builder::new());
     smooth.sky = sky().sky;
+    // Off the edge that the floor's two triangles share.
+    smooth.camera.origin = [0.3, 1.0, 0.1];
     let settings = Settings {
         integrator: Integrator::Direct,
         strategy: Strategy::Cosine,
+        // A path that dies by chance is a jump that no points smooth.
+        roulette: false,
         ..Settings::default()
     };
     let ladder = Ladder {
@@ -110,34 +114,47 @@ fn sobol_points_are_steeper_on_smooth_pixels() {
     );
     for curve in study.measured() {
         let fit = curve.curve.fit().expect("seven rungs");
-        let [low, high] = fit.slope_interval(0.9999).expect("seven rungs");
-        let name = &curve.curve.name;
-        if name.ends_with("independent") {
+        let [low, high] = fit.slope_interval(0.999).expect("seven rungs");
+        let errors: Vec<f64> = curve.curve.points.iter().map(|p| p.error).collect();
+        let name = &format!("{} {errors:?}", curve.curve.name);
+        if curve.curve.name.ends_with("independent") {
             assert!(low <= -0.5 && -0.5 <= high, "{name}: {low} to {high}");
-        } else {
+        } else if curve.curve.name.ends_with("sobol") {
             assert!(high < -0.5, "{name}: {low} to {high}");
+        } else {
+            // Grids of 2, 8 and 32 cells are not square: their points bend, and the interval is wide.
+            assert!(fit.slope < -0.8, "{name}: {low} to {high}");
         }
     }
 }
 
-/// The f64 tracer and the wave converge to one image: no bias beyond five standard errors, over the
-/// image as a whole and in the squares of its pixels.
+/// The f64 tracer and the wave converge to one image on every scene that ships and that the tracer
+/// supports: no bias beyond five standard errors, over the image and in the squares of its pixels.
 #[test]
 fn the_f64_reference_agrees_with_the_wave() {
     let ladder = Ladder {
         first: 64,
-        last: 256,
+        last: 128,
         repetitions: 6,
         seed: 2,
     };
-    for scene in [cornell_box(12), with(sky(), 12, Settings::default())] {
-        let (_, study) = study(&scene, &[Family::Precision], 0.02, &ladder);
+    for name in ["cornell-box", "furnace", "veach-lights", "depth-of-field"] {
+        let path = format!("{}/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let scene = huygens::scene::load(path.as_ref()).expect("it ships");
+        let settings = scene.settings.clone();
+        let (_, study) = study(
+            &with(scene, 12, settings),
+            &[Family::Precision],
+            0.04,
+            &ladder,
+        );
         let f64s = &study.curves[1];
         assert_eq!(f64s.curve.name, "f64 reference");
         for p in &f64s.curve.points {
             let z = p.bias_squared / p.bias_squared_error;
-            assert!(z.abs() < 5.0, "{p:?}");
-            assert!(p.point.bias.abs() < 5.0 * p.point.bias_error, "{p:?}");
+            assert!(z.abs() < 5.0, "{name}: {p:?}");
+            let off = p.point.bias.abs() / p.point.bias_error;
+            assert!(off < 5.0, "{name}: {p:?}");
         }
     }
 }
@@ -147,22 +164,22 @@ fn the_f64_reference_agrees_with_the_wave() {
 fn three_runs_agree_on_the_order() {
     let order = |seed| {
         let ladder = Ladder {
-            first: 1,
-            last: 64,
+            first: 4,
+            last: 256,
             repetitions: 4,
             seed,
         };
         let (_, study) = study(&cornell_box(16), &[Family::Strategy], 0.05, &ladder);
         let cost = |name: &str| {
             let curve = study.measured().find(|c| c.curve.name == name);
-            let cost = curve.expect(name).cost_of(0.05);
+            let cost = curve.expect(name).cost_of(0.2);
             cost.seconds().expect("it falls")
         };
         let lights = cost("mis+sobol").max(cost("light+sobol"));
         let [cosine, uniform] = ["cosine+sobol", "uniform+sobol"].map(cost);
-        // Lights sampled beat directions by more than ten times; cosine beats uniform by less than
-        // timing on a busy machine scatters.
-        (lights * 5.0 < cosine, lights * 5.0 < uniform)
+        // Lights sampled beat directions by a factor of tens, known to a factor of two or so: few of
+        // those samples meet the light. Cosine beats uniform by less than that.
+        (lights * 3.0 < cosine, lights * 3.0 < uniform)
     };
     for seed in 0..3 {
         assert_eq!(order(seed), (true, true), "seed {seed}");
