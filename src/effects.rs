@@ -65,10 +65,10 @@ impl Effects {
             if selection == LightSelection::Tree {
                 effects.add("light tree", reason);
             }
-        } else if let Some(light) = scene.lights.iter().find(|l| l.kind.is_delta()) {
-            if transport {
-                effects.add("next-event estimation", light_of(light));
-            }
+        } else if let Some(light) = scene.lights.iter().find(|l| l.kind.is_delta())
+            && transport
+        {
+            effects.add("next-event estimation", light_of(light));
         }
         effects
     }
