@@ -20,20 +20,15 @@ program=${CARGO_TARGET_DIR:-target}/release/huygens
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-# A dump after each stage: out.1, out.2 and so on, in the order of the lines that it prints.
-valgrind --tool=callgrind --callgrind-out-file="$folder/out" --collect-atstart=no \
-  --toggle-collect='*stage*counted*' --dump-after='*stage*counted*' \
-  "$program" bench --stage >"$folder/cases" 2>"$folder/log" || {
-  cat "$folder/log" >&2
-  exit 2
-}
-number=0
-while read -r name items; do
-  number=$((number + 1))
-  count=$(sed -n 's/^totals: \([0-9]*\).*/\1/p' "$folder/out.$number")
+"$program" bench --stage | while read -r name items; do
+  ((items > 0)) || continue
+  valgrind --tool=callgrind --callgrind-out-file="$folder/out" --collect-atstart=no \
+    --toggle-collect='*stage*counted*' "$program" bench --stage "$name" \
+    >/dev/null 2>"$folder/log" </dev/null
+  count=$(sed -n 's/.*Collected : \([0-9]*\).*/\1/p' "$folder/log")
   awk -v name="$name" -v count="$count" -v items="$items" \
-    'BEGIN { if (items > 0) printf "%s\t%.1f\n", name, count / items }'
-done <"$folder/cases" >"$folder/now.tsv"
+    'BEGIN { printf "%s\t%.1f\n", name, count / items }'
+done >"$folder/now.tsv"
 
 if [[ ${1:-} == --save ]]; then
   { printf '# instructions an item, by scene/stage; %s\n' "$(rustc --version)"; cat "$folder/now.tsv"; } \
