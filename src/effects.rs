@@ -39,17 +39,15 @@ impl Effects {
     #[must_use]
     pub fn of(scene: &Scene, settings: &Settings) -> Self {
         let mut effects = Self::default();
-        let transport = matches!(
-            settings.integrator,
-            Integrator::Path | Integrator::Direct | Integrator::Reference
-        );
+        let transport = settings.integrator.is_transport();
         effects.camera(scene);
         effects.light(scene);
         effects.surfaces(scene, transport);
         if transport && settings.roulette {
             effects.add("roulette", "setting `roulette`");
         }
-        let samples_lights = matches!(settings.strategy, Strategy::Light | Strategy::Mis);
+        let strategy = matches!(settings.strategy, Strategy::Light | Strategy::Mis);
+        let samples_lights = strategy || settings.integrator == Integrator::Whitted;
         let (selection, reason) = light_selection(scene, settings);
         if transport
             && samples_lights

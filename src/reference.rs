@@ -13,14 +13,17 @@
 //!
 //! What it means by its words is what the wave means: a path scatters at most
 //! [`Settings::depth_limit`] times, and 0 shows emission only; a surface emits from its front, from
-//! both sides if its material says so; Lambertian surfaces reflect on both sides; a ray that meets
+//! both sides if its material says so; Lambertian surfaces reflect on both sides, with the shading
+//! normals, images and masks that their materials and meshes ask for (`surface`); a ray that meets
 //! nothing sees the sky.
 
 mod camera;
 mod lights;
+mod surface;
 
+use self::surface::{Point, colour, is_there};
 use crate::film::{Job, SampleBuffer};
-use crate::scene::{Filter, Scene};
+use crate::scene::{Bsdf, Filter, Scene};
 use crate::settings::{Settings, Strategy};
 use glam::DVec3;
 use lights::Lights;
@@ -47,7 +50,6 @@ struct Triangle {
     edges: [DVec3; 2],
     normal: DVec3,
     albedo: DVec3,
-    emission: DVec3,
     two_sided: bool,
 }
 
@@ -60,6 +62,8 @@ struct Ray {
 struct Hit {
     triangle: usize,
     t: f64,
+    /// Barycentric weights of the second and third corner.
+    weights: [f64; 2],
 }
 
 impl<'a> Reference<'a> {
@@ -91,7 +95,6 @@ impl<'a> Reference<'a> {
                 edges: [b - a, c - a],
                 normal: (b - a).cross(c - a).normalize(),
                 albedo: vector(material.albedo(&scene.materials)),
-                emission: vector(material.emission.factor),
                 two_sided: material.two_sided,
             }
         });
@@ -141,12 +144,18 @@ impl<'a> Reference<'a> {
         };
         let surface = &self.triangles[hit.triangle];
         let front = ray.direction.dot(surface.normal) < 0.0;
+        let point = Point::new(self.scene, hit.triangle, hit.weights, surface.normal);
+        let material = &self.scene.materials[self.scene.mesh.material[hit.triangle] as usize];
         let emitted = if front || surface.two_sided {
-            surface.emission
+            colour(self.scene, &material.emission, point.uv)
         } else {
             DVec3::ZERO
         };
-        if depth >= self.max_depth || surface.albedo == DVec3::ZERO {
+        let albedo = match &material.bsdf {
+            Bsdf::Diffuse { reflectance, .. } => colour(self.scene, reflectance, point.uv),
+            _ => surface.albedo,
+        };
+        if depth >= self.max_depth || albedo == DVec3::ZERO {
             return emitted;
         }
         let normal = if front {
@@ -154,22 +163,31 @@ impl<'a> Reference<'a> {
         } else {
             -surface.normal
         };
-        let (omega_i, pdf) = self.sample_hemisphere(rng, normal);
+        let shading = point.towards(front, normal, -ray.direction);
+        let (omega_i, pdf) = self.sample_hemisphere(rng, shading);
         let origin = ray.origin + hit.t * ray.direction;
-        let brdf = surface.albedo / PI;
-        let delta = brdf * self.delta_lights(origin, normal, hit.triangle);
+        let brdf = albedo / PI;
+        // The cosine that counts, with what becomes of it where triangles are dark.
+        let cosine = |omega_i: DVec3| {
+            point.terminator(shading, normal, omega_i) * omega_i.dot(shading).max(0.0)
+        };
+        let delta = brdf * self.delta_lights(origin, cosine, hit.triangle);
+        let weight = cosine(omega_i) / pdf;
+        if weight == 0.0 {
+            return emitted + delta;
+        }
         let next = Ray {
             origin,
             direction: omega_i,
             leaves: Some(hit.triangle),
         };
-        emitted + delta + brdf * self.radiance(rng, &next, depth + 1) * (omega_i.dot(normal) / pdf)
+        emitted + delta + brdf * self.radiance(rng, &next, depth + 1) * weight
     }
 
     /// Irradiance by the lights that no ray finds, at `origin` on triangle `leaves`.
-    fn delta_lights(&self, origin: DVec3, normal: DVec3, leaves: usize) -> DVec3 {
+    fn delta_lights(&self, origin: DVec3, cosine: impl Fn(DVec3) -> f64, leaves: usize) -> DVec3 {
         let arriving = self.lights.arriving(origin).map(|light| {
-            let cos = light.direction.dot(normal);
+            let cos = cosine(light.direction);
             let ray = Ray {
                 origin,
                 direction: light.direction,
@@ -213,12 +231,17 @@ impl<'a> Reference<'a> {
         let mut closest: Option<Hit> = None;
         for (i, triangle) in self.triangles.iter().enumerate() {
             let farthest = closest.as_ref().map_or(f64::INFINITY, |hit| hit.t);
-            if let Some(t) = triangle.intersect(ray)
+            if let Some((t, weights)) = triangle.intersect(ray)
                 && nearest < t
                 && t < farthest
                 && ray.leaves != Some(i)
+                && is_there(self.scene, i, weights)
             {
-                closest = Some(Hit { triangle: i, t });
+                closest = Some(Hit {
+                    triangle: i,
+                    t,
+                    weights,
+                });
             }
         }
         closest
@@ -256,9 +279,9 @@ impl<'a> Reference<'a> {
 }
 
 impl Triangle {
-    /// Ray parameter of the plane's hit if it lies in the triangle, edges included (T. Moeller,
+    /// Ray parameter and weights of the plane's hit if it lies in the triangle, edges included (T. Moeller,
     /// B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997).
-    fn intersect(&self, ray: &Ray) -> Option<f64> {
+    fn intersect(&self, ray: &Ray) -> Option<(f64, [f64; 2])> {
         let [e1, e2] = self.edges;
         let p = ray.direction.cross(e2);
         let s = ray.origin - self.corner;
@@ -268,7 +291,7 @@ impl Triangle {
         let v = ray.direction.dot(q) / determinant;
         let t = e2.dot(q) / determinant;
         // A ray in the plane gives 0 / 0 or infinities, and no comparison with those holds.
-        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t < f64::INFINITY).then_some(t)
+        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t < f64::INFINITY).then_some((t, [u, v]))
     }
 }
 

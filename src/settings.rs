@@ -1,7 +1,7 @@
 //! What a render is asked to do, apart from the scene: the same words in scene files, on the
 //! command line and in the library.
 
-use huygens_kernels::roulette::SURVIVAL_GAIN;
+use huygens_kernels::roulette::{GAINS, SURVIVAL_GAIN};
 use serde::{Deserialize, Serialize};
 
 /// What the wave computes for each camera sample.
@@ -12,6 +12,9 @@ pub enum Integrator {
     Path,
     /// Emission and light that scatters once: `path` with a maximum depth of 1.
     Direct,
+    /// Lights sampled at the first surface that is no mirror, where paths end (T. Whitted, 1980),
+    /// whatever the strategy.
+    Whitted,
     /// The unoccluded share of the cosine-weighted hemisphere, up to a distance.
     Ao,
     /// The geometric normal that faces the camera, mapped from -1..1 to 0..1.
@@ -22,6 +25,17 @@ pub enum Integrator {
     Albedo,
     /// The scalar, recursive f64 tracer that the others are tested against. Slow.
     Reference,
+}
+
+impl Integrator {
+    /// Whether it computes light.
+    #[must_use]
+    pub fn is_transport(self) -> bool {
+        match self {
+            Self::Path | Self::Direct | Self::Whitted | Self::Reference => true,
+            Self::Ao | Self::Normals | Self::Depth | Self::Albedo => false,
+        }
+    }
 }
 
 /// How a surface looks for light.
@@ -85,7 +99,8 @@ pub enum Preset {
 /// Everything that a render needs besides scene, geometry and film.
 ///
 /// The image depends on `integrator`, `strategy`, `light_selection`, `sampler`, `spp`, `max_depth`,
-/// `roulette`, `survival`, `seed` and `ao_distance`; never on `bvh`, `threads`, `wave` or `tile`.
+/// `roulette`, `survival`, `split`, `seed` and `ao_distance`; never on `bvh`, `threads`, `wave` or
+/// `tile`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// What is computed for each sample.
@@ -106,6 +121,10 @@ pub struct Settings {
     /// Chance of a path to survive the roulette, over its throughput; above 0. The larger, the longer
     /// paths live, and the more each costs.
     pub survival: f32,
+    /// Ways on from a path's first scattering event, from each of those at the second, and so on, at
+    /// most [`Settings::MOST_SPLITS`] of them, each at least 1; after that, one. Their product is at
+    /// most [`Settings::MOST_BRANCHES`], and times `spp` below 2^31.
+    pub split: Vec<u32>,
     /// Seed of the random numbers.
     pub seed: u32,
     /// Occlusion distance of `ao` in scene units; `None`: a tenth of the scene's diagonal.
@@ -131,6 +150,7 @@ impl Default for Settings {
             max_depth: None,
             roulette: true,
             survival: SURVIVAL_GAIN,
+            split: Vec::new(),
             seed: 0,
             ao_distance: None,
             bvh: Preset::default(),
@@ -142,6 +162,11 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// The most scattering events at which paths branch.
+    pub const MOST_SPLITS: usize = GAINS;
+    /// The most branches of a camera sample.
+    pub const MOST_BRANCHES: u32 = 1 << 16;
+
     /// A [`Settings::survival`] of roulette that ends paths a good deal sooner than usual.
     pub const AGGRESSIVE: f32 = 0.5;
 

@@ -4,9 +4,11 @@ mod common;
 
 use common::picture::render;
 use common::scenes::{Builder, cornell_box, floor_from_above};
+use huygens::effects::light_selection;
 use huygens::film::Image;
-use huygens::scene::{Scene, Sky};
-use huygens::settings::{Integrator, Sampler, Settings, Strategy};
+use huygens::scene::{Environment, Light, LightKind, Scene, Sky};
+use huygens::settings::{Integrator, LightSelection, Sampler, Settings, Strategy};
+use std::sync::Arc;
 
 /// Means and variances, bit by bit, and counts.
 fn bits(image: &Image) -> (Vec<[u32; 3]>, Vec<[u32; 3]>, &[u32]) {
@@ -123,6 +125,40 @@ fn under_a_sky() {
     (scene.film.width, scene.film.height) = (33, 40);
     scene.camera.projection = common::scenes::pinhole(1.0, 1.2);
     assert_identical(&scene, &settings(Strategy::Mis, Integrator::Path));
+}
+
+/// Along a light tree, beside a map and a disc.
+#[test]
+fn among_lights_of_many_kinds() {
+    let mut scene = box_70_by_51();
+    let light = |kind| Light {
+        name: String::new(),
+        kind,
+    };
+    let point = |k: usize| LightKind::Point {
+        position: [40.0 + 28.0 * k as f32, 300.0, 280.0],
+        intensity: [4000.0, 3000.0, 2000.0],
+        spot: None,
+    };
+    scene.lights = (0..18).map(|k| light(point(k))).collect();
+    scene.lights.push(light(LightKind::Distant {
+        from: [0.0, 0.0, -1.0],
+        irradiance: [1.0, 2.0, 3.0],
+        half_angle: 3.0,
+    }));
+    scene.sky = Some(Sky::Map(Arc::new(Environment {
+        width: 2,
+        height: 1,
+        texels: vec![[0.1, 0.2, 0.3], [0.9, 0.5, 0.1]],
+        frame: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    })));
+    let base = Settings {
+        spp: 40,
+        ..settings(Strategy::Mis, Integrator::Path)
+    };
+    let (selection, _) = light_selection(&scene, &base);
+    assert_eq!(selection, LightSelection::Tree);
+    assert_identical(&scene, &base);
 }
 
 #[test]

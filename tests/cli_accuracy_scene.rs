@@ -57,7 +57,7 @@ fn every_choice_is_measured_and_told() {
     let (text, json) = study(folder.path(), "--spp 4 --repetitions 2");
     assert_eq!(json["ended"], "complete");
     let families = [
-        "base", "strategy", "sampler", "combined", "depth", "roulette", "wave",
+        "base", "strategy", "sampler", "combined", "depth", "roulette", "split", "wave",
     ];
     for family in families.into_iter().chain(["precision"]) {
         assert!(
@@ -243,7 +243,7 @@ fn what_is_refused() {
     refused(
         "--vary colour",
         "error: invalid value 'colour' for '--vary <NAME,...>'\n  [possible values: strategy, \
-         sampler, combined, depth, roulette, wave, precision]\n",
+         sampler, combined, depth, roulette, split, wave, precision]\n",
     );
     refused(
         "--target-error 2",

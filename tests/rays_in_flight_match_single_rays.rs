@@ -4,6 +4,8 @@ mod tracing;
 
 use huygens::geometry::Geometry;
 use huygens::scene::Mesh;
+#[cfg(target_arch = "x86_64")]
+use huygens_kernels::avx512;
 use huygens_kernels::bvh::Bvh;
 use huygens_kernels::few::{Few, Triangle};
 use huygens_kernels::lanes::padded;
@@ -83,10 +85,25 @@ fn together<const N: usize>(bvh: Bvh, rays: &RaySet) -> Answers {
     )
 }
 
+/// None where the processor has no AVX-512.
+fn by_avx512(bvh: Bvh, rays: &RaySet) -> Option<Answers> {
+    #[cfg(target_arch = "x86_64")]
+    if avx512::available() {
+        return Some(answers(
+            rays,
+            |r, h| avx512::closest(bvh, r, h),
+            |s, o| avx512::occluded(bvh, s, o),
+        ));
+    }
+    eprintln!("SKIPPED: no AVX-512 here");
+    let _ = (bvh, rays);
+    None
+}
+
 fn packets(bvh: Bvh, rays: &RaySet) -> Answers {
     answers(
         rays,
-        |r, h| packet::closest::<32>(bvh, r, h),
+        |r, h| packet::closest(bvh, r, h),
         |s, o| traverse::occluded(bvh, s, o),
     )
 }
@@ -120,6 +137,38 @@ fn on_meshes_of_all_kinds() {
         assert!(expected == together::<32>(bvh, &rays));
         assert!(expected == together::<64>(bvh, &rays));
         assert!(expected == packets(bvh, &rays));
+        if let Some(found) = by_avx512(bvh, &rays) {
+            assert!(expected == found);
+        }
+    }
+}
+
+#[test]
+fn of_any_length_and_along_axes() {
+    let mesh = cube();
+    let geometry = Geometry::build(&mesh);
+    let bvh = geometry.bvh();
+    let mut random = Random(52);
+    let mut rays = RaySet::default();
+    for i in 0..4000 {
+        // Often exactly along an axis or a diagonal of the cube, at its edges and corners.
+        let coarse = |x: f32| (2.0 * x).round() * 0.5;
+        let origin = random.point().map(|p| coarse(1.6 * p));
+        let length = 10f32.powi(i % 83 - 44);
+        let direction = random.point().map(|p| length * coarse(p));
+        rays.push(origin, direction.map(|d| if i % 2 == 0 { -d } else { d }));
+        rays.t_max[i as usize] = 2.0 / length;
+    }
+    let expected = alone(bvh, &rays);
+    assert!(expected.iter().filter(|e| e.0 != NO_PRIMITIVE).count() > 800);
+    assert!(expected.iter().filter(|e| e.4 == 1).count() > 400);
+    assert!(expected == together::<32>(bvh, &rays));
+    assert!(expected == packets(bvh, &rays));
+    if let Some(found) = by_avx512(bvh, &rays) {
+        for (i, (expected, found)) in expected.iter().zip(&found).enumerate() {
+            let ray = (rays.origin[i], rays.direction[i], rays.t_max[i]);
+            assert_eq!(expected, found, "{ray:?}");
+        }
     }
 }
 
@@ -130,7 +179,11 @@ fn for_any_number_of_rays() {
     for n in (0..70).chain([127, 128, 129]) {
         let rays = random_rays(mesh.triangles(), n);
         let bvh = geometry.bvh();
-        assert!(alone(bvh, &rays) == together::<32>(bvh, &rays), "{n} rays");
+        let expected = alone(bvh, &rays);
+        assert!(expected == together::<32>(bvh, &rays), "{n} rays");
+        if let Some(found) = by_avx512(bvh, &rays) {
+            assert!(expected == found, "{n} rays");
+        }
         let rays = truncated(bundles(mesh.triangles(), n.div_ceil(20), 0.01), n);
         assert!(
             alone(bvh, &rays) == packets(bvh, &rays),

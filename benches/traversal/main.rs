@@ -14,7 +14,7 @@ mod rays;
 use huygens::geometry::Geometry;
 use huygens::scene::Mesh;
 use huygens_kernels::few::{Few, Triangle};
-use huygens_kernels::{few, flight, packet, traverse};
+use huygens_kernels::{few, flight, many, packet, traverse};
 use rays::{Answers, RayBuffer};
 
 /// Rays in a call.
@@ -80,8 +80,12 @@ fn measure(name: &str, mesh: &Mesh) {
             Box::new(|r, a, i, n| flight::closest::<32>(bvh, r.rays(i, n), a.hits(i, n))),
         ),
         (
+            "many",
+            Box::new(|r, a, i, n| many::closest(bvh, r.rays(i, n), a.hits(i, n))),
+        ),
+        (
             "packet",
-            Box::new(|r, a, i, n| packet::closest::<32>(bvh, r.rays(i, n), a.hits(i, n))),
+            Box::new(|r, a, i, n| packet::closest(bvh, r.rays(i, n), a.hits(i, n))),
         ),
     ];
     let mut occluded: Vec<(&str, Box<Run>)> = vec![
@@ -96,6 +100,10 @@ fn measure(name: &str, mesh: &Mesh) {
         (
             "32",
             Box::new(|r, a, i, n| flight::occluded::<32>(bvh, r.segments(i, n), a.occluded(i, n))),
+        ),
+        (
+            "many",
+            Box::new(|r, a, i, n| many::occluded(bvh, r.segments(i, n), a.occluded(i, n))),
         ),
     ];
     if let Some(triangles) = &triangles {

@@ -63,12 +63,13 @@ impl Node {
     }
 }
 
-/// Four triangles. Unused lanes repeat a used one, which changes no answer; a degenerate filler
-/// would send every ray that comes by through the slow path of the triangle test.
+/// Four triangles by rising index, so that of equally near ones the first is the one to take.
+/// Unused lanes repeat the last used one, which changes no answer; a degenerate filler would send
+/// every ray that comes by through the slow path of the triangle test.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub struct Block {
-    /// `vertex[corner][axis]`, one triangle a lane.
+    /// `vertex[axis][corner]`, one triangle a lane.
     pub vertex: [[f32x4; 3]; 3],
     /// Indices of the triangles in the mesh.
     pub primitive: u32x4,
@@ -78,15 +79,26 @@ impl Block {
     /// A block of one to [`BLOCK`] triangles: `(index in the mesh, corners)`.
     ///
     /// # Panics
-    /// On an empty slice.
+    /// On none or too many.
     #[must_use]
     pub fn new(triangles: &[(u32, [[f32; 3]; 3])]) -> Self {
-        let lane = |lane: usize| triangles[lane.min(triangles.len() - 1)];
+        let used = triangles.len();
+        let mut rows = [triangles[0]; BLOCK];
+        rows[..used].copy_from_slice(triangles);
+        // Few and often in order already: by insertion.
+        for i in 1..used {
+            for j in (1..=i).rev() {
+                if rows[j].0 < rows[j - 1].0 {
+                    rows.swap(j, j - 1);
+                }
+            }
+        }
+        let lane = |lane: usize| rows[lane.min(used - 1)];
         let column = |corner: usize, axis: usize| {
             f32x4::new(std::array::from_fn(|l| lane(l).1[corner][axis]))
         };
         Self {
-            vertex: std::array::from_fn(|c| std::array::from_fn(|a| column(c, a))),
+            vertex: std::array::from_fn(|a| std::array::from_fn(|c| column(c, a))),
             primitive: u32x4::new(std::array::from_fn(|l| lane(l).0)),
         }
     }

@@ -116,7 +116,8 @@ impl Visitor for ClosestOf<'_, '_> {
         let mut best = Best::default();
         let mut doubt = Doubt::default();
         for triangle in self.few.triangles {
-            let found = eight.test(triangle, sheared, &mut doubt);
+            let own = as_mask(leaves.simd_eq(Ux::splat(triangle.primitive)));
+            let found = eight.test(triangle, sheared, own, &mut doubt);
             best.take(triangle, found, leaves);
         }
         if !doubt.none() {
@@ -220,7 +221,7 @@ impl Visitor for OcclusionBy<'_, '_> {
         let mut met = Fx::ZERO;
         let mut doubt = Doubt::default();
         for triangle in self.few.triangles {
-            let found = eight.test(triangle, sheared, &mut doubt);
+            let found = eight.test(triangle, sheared, excluded(triangle), &mut doubt);
             met |= found.met & found.t.simd_lt(t_max) & !excluded(triangle);
         }
         if !doubt.none() {
@@ -252,6 +253,8 @@ struct Doubt {
     least: Fx,
     /// The bits of the greatest magnitude of a doubled area: those of a NaN are greater still.
     most: Ux,
+    /// Where a triangle is met so near that only its plane can tell on which side.
+    contact: Mask,
 }
 
 impl Default for Doubt {
@@ -260,6 +263,7 @@ impl Default for Doubt {
         Self {
             least: Fx::splat(f32::MAX),
             most: Ux::ZERO,
+            contact: Fx::ZERO,
         }
     }
 }
@@ -268,7 +272,8 @@ impl Doubt {
     #[inline(always)]
     fn none(&self) -> bool {
         let most = Ux::splat((1.0 / SURE).to_bits());
-        let sure = Fx::splat(SURE).simd_le(self.least) & !as_mask(most.simd_lt(self.most));
+        let sure =
+            Fx::splat(SURE).simd_le(self.least) & !as_mask(most.simd_lt(self.most)) & !self.contact;
         sure.all()
     }
 }
@@ -284,9 +289,15 @@ impl Eight {
         }
     }
 
-    /// All eight against one triangle; true where there is no doubt.
+    /// All eight against one triangle; nobody looks at the lanes that are `ignored`.
     #[inline(always)]
-    fn test(&self, triangle: &Triangle, sheared: &Sheared, doubt: &mut Doubt) -> Candidates<Fx> {
+    fn test(
+        &self,
+        triangle: &Triangle,
+        sheared: &Sheared,
+        ignored: Mask,
+        doubt: &mut Doubt,
+    ) -> Candidates<Fx> {
         let corners = triangle.corners.map(|c| &sheared[usize::from(c)]);
         let weights = triangle::weights(corners);
         let [a, b, c] = weights;
@@ -300,6 +311,7 @@ impl Eight {
         // Where all are sure, signs differ where sign bits do.
         let mixed: wide::i32x8 = bytemuck::cast((a ^ b) | (b ^ c));
         let outside: Mask = bytemuck::cast(mixed >> 31_i32);
+        doubt.contact |= triangle::touches(corners, depth) & !outside & !ignored;
         Candidates {
             met: !outside & Fx::ZERO.simd_lt(t),
             t,

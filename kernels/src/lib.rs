@@ -10,6 +10,8 @@
 //! reaches a result.
 
 pub mod accumulate;
+#[cfg(target_arch = "x86_64")]
+pub mod avx512;
 pub mod bsdf;
 pub mod bvh;
 pub mod camera;
@@ -26,6 +28,7 @@ pub mod interpolate;
 pub mod lanes;
 pub mod light;
 pub mod look;
+pub mod many;
 pub mod math;
 pub mod mis;
 pub mod octahedral;

@@ -5,8 +5,10 @@
 //! then grows by the number hit, and what was stored above it is never read.
 //!
 //! A key is the bits of a distance, which order like the distance since it is not negative, with
-//! the three lowest replaced by the lane. A lane that is not hit has key 0 at most and sinks to
-//! the end. So the order is total and the same on every machine.
+//! the three lowest replaced by 7 less the lane: of equally near children, as all are whose boxes
+//! the ray starts in, the highest slot, where layout puts the smallest box, is visited first. A
+//! lane that is not hit has key 0 at most and sinks to the end. So the order is total and the same
+//! on every machine.
 
 use crate::bvh::{MAX_DEPTH, NOTHING, Node, WIDTH};
 use crate::lanes::{self, Fx, Mask, Ux, as_bits};
@@ -121,8 +123,8 @@ fn compacting(mask: u32) -> Ux {
 /// Lane numbers (in the low three bits) that sort the lanes of `hits` by falling `enter`.
 #[inline(always)]
 fn descending(hits: Mask, enter: Fx) -> Ux {
-    let lane = Ux::new([0, 1, 2, 3, 4, 5, 6, 7]);
-    let key = ((as_bits(enter) & Ux::splat(!7)) | lane) & as_bits(hits);
+    let last_first = Ux::new([7, 6, 5, 4, 3, 2, 1, 0]);
+    let key = ((as_bits(enter) & Ux::splat(!7)) | last_first) & as_bits(hits);
     // A lane that is not hit loses its number, so two keys may be equal; only keys of hits count.
     let stage = |key: Ux, partner: [u32; 8], keep_max: [bool; 8]| {
         let other = key.shuffle_wrapping(Ux::new(partner));
@@ -139,7 +141,7 @@ fn descending(hits: Mask, enter: Fx) -> Ux {
     let key = stage(key, BY1, [T, F, T, F, F, T, F, T]);
     let key = stage(key, BY4, [T, T, T, T, F, F, F, F]);
     let key = stage(key, BY2, [T, T, F, F, T, T, F, F]);
-    stage(key, BY1, [T, F, T, F, T, F, T, F])
+    stage(key, BY1, [T, F, T, F, T, F, T, F]) ^ Ux::splat(7)
 }
 
 #[cfg(test)]
@@ -174,7 +176,7 @@ mod tests {
         let enter = [0.0f32, 3.0, 1.0, 1e-40, 3.0, 7.5, 2.0, 1e30];
         for mask in 0u32..256 {
             let mut expected: Vec<usize> = (0..8).filter(|l| mask >> l & 1 != 0).collect();
-            expected.sort_by(|&a, &b| enter[a].total_cmp(&enter[b]).then(a.cmp(&b)));
+            expected.sort_by(|&a, &b| enter[a].total_cmp(&enter[b]).then(b.cmp(&a)));
             let mut stack = Stack::default();
             stack.push::<Ordered>(&node(), hits(mask), Fx::new(enter));
             assert_eq!(pop_all::<Ordered>(&mut stack), expected, "mask {mask:08b}");

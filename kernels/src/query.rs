@@ -144,17 +144,17 @@ impl Query for ClosestHit<'_, '_> {
     /// take cannot be foreseen.
     #[inline(always)]
     fn visit(state: &mut Closest, ray: &Prepared, block: &Block) {
-        let found = ray.shear.test(block);
         let own: f32x4 = bytemuck::cast(block.primitive.simd_eq(u32x4::splat(state.leaves)));
+        let found = ray.shear.test_but(block, own);
         let near: f32x4 = found.t.simd_le(f32x4::splat(state.t));
         let taken: u32x4 = bytemuck::cast(found.met & near & !own);
         // Bits of positive distances order like the distances; what is not taken comes last.
         let t = bytemuck::cast::<_, u32x4>(found.t) | !taken;
         let least = horizontal_min(t);
-        let primitive = block.primitive | !t.simd_eq(least) | !taken;
-        let chosen = horizontal_min(primitive);
-        let lane = primitive.simd_eq(chosen).to_bitmask().trailing_zeros() as usize & 3;
-        let (t, primitive) = (least.as_array()[0], chosen.as_array()[0]);
+        // The first of equally near ones has the smallest index: see `Block`.
+        let lane = t.simd_eq(least).to_bitmask().trailing_zeros() as usize & 3;
+        let t = least.as_array()[0];
+        let primitive = block.primitive.as_array()[lane];
         let current = state.t.to_bits();
         // One comparison for distance and index: two would become a branch.
         let key = |t: u32, primitive: u32| u64::from(t) << 32 | u64::from(primitive);
@@ -235,11 +235,11 @@ impl Query for Occlusion<'_, '_> {
 
     #[inline(always)]
     fn visit(state: &mut Within, ray: &Prepared, block: &Block) {
-        let found = ray.shear.test(block);
-        let near: f32x4 = found.t.simd_lt(f32x4::splat(state.t_max));
         let excluded = block.primitive.simd_eq(u32x4::splat(state.excluded[0]))
             | block.primitive.simd_eq(u32x4::splat(state.excluded[1]));
         let excluded: f32x4 = bytemuck::cast(excluded);
+        let found = ray.shear.test_but(block, excluded);
+        let near: f32x4 = found.t.simd_lt(f32x4::splat(state.t_max));
         state.occluded |= u32::from((found.met & near & !excluded).any());
     }
 

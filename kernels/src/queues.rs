@@ -129,6 +129,14 @@ soa! {
 }
 
 soa! {
+    /// What interpolated surfaces have besides, row by row of [`Surfaces`].
+    pub struct Smooth, SmoothMut {
+        /// How well the corners' normals agree: `interpolate::Interpolated::coherence`.
+        coherence: F32,
+    }
+}
+
+soa! {
     /// The uniform numbers that the rows of [`Surfaces`] use.
     pub struct Drawn, DrawnMut {
         /// For the next direction: two, and one that chooses a lobe.

@@ -6,6 +6,7 @@ use crate::cost::{Cost, columns, item};
 use crate::lanes::{Fx, LANES, first, load};
 use crate::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
 use crate::vec3::Columns;
+use std::ops::Range;
 
 /// No triangle: what a ray that misses reports, and what a ray that excludes none carries.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
@@ -69,6 +70,56 @@ pub struct Segments<'a> {
     pub leaves: &'a [u32],
     /// The triangle each segment ends on, or [`NO_PRIMITIVE`].
     pub reaches: &'a [u32],
+}
+
+impl<'a> Rays<'a> {
+    /// Some of the rays; columns end with the last of them.
+    ///
+    /// # Panics
+    /// If there are not so many.
+    #[must_use]
+    pub fn part(&self, range: Range<usize>) -> Self {
+        Rays {
+            len: range.len(),
+            origin: self.origin.map(|column| &column[range.clone()]),
+            direction: self.direction.map(|column| &column[range.clone()]),
+            leaves: &self.leaves[range],
+        }
+    }
+}
+
+impl Hits<'_> {
+    /// Some of the hits; columns end with the last of them.
+    ///
+    /// # Panics
+    /// If there are not so many.
+    #[must_use]
+    pub fn part(&mut self, range: Range<usize>) -> Hits<'_> {
+        Hits {
+            primitive: &mut self.primitive[range.clone()],
+            t: &mut self.t[range.clone()],
+            u: &mut self.u[range.clone()],
+            v: &mut self.v[range],
+        }
+    }
+}
+
+impl<'a> Segments<'a> {
+    /// Some of the segments; columns end with the last of them.
+    ///
+    /// # Panics
+    /// If there are not so many.
+    #[must_use]
+    pub fn part(&self, range: Range<usize>) -> Self {
+        Segments {
+            len: range.len(),
+            origin: self.origin.map(|column| &column[range.clone()]),
+            direction: self.direction.map(|column| &column[range.clone()]),
+            t_max: &self.t_max[range.clone()],
+            leaves: &self.leaves[range.clone()],
+            reaches: &self.reaches[range],
+        }
+    }
 }
 
 /// Calls `found` with the place of each of the first `len` rays that nobody could trace: one with a

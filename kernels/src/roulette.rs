@@ -16,7 +16,9 @@
 use crate::accumulate::report;
 use crate::compact::Kept;
 use crate::cost::{Cost, columns};
-use crate::lanes::{Fx, LANES, Ux, as_bits, as_mask, first, load, load_u32, padded, store_u32};
+use crate::lanes::{
+    Fx, LANES, Ux, as_bits, as_mask, first, gather, load, load_u32, padded, store_u32,
+};
 use crate::queues::{LAST_RAY, MARKS, PathsMut};
 use crate::sampler::{Block, Sampler, block};
 use crate::vec3::Vec3x;
@@ -33,14 +35,20 @@ pub const COST: Cost = Cost::new(
 pub struct Rules {
     /// Whether paths end at random.
     pub random: bool,
-    /// Survival probability over throughput, positive: [`SURVIVAL_GAIN`] as a rule.
-    pub gain: f32,
+    /// Survival probability over throughput, positive, by the number of scattering events before the
+    /// one that a path leaves; the last one also for all later. [`SURVIVAL_GAIN`] as a rule; where
+    /// paths branch, times the branches so far, since each carries so much less.
+    pub gain: [f32; GAINS],
     /// Scattering events after which a path ends.
     pub limit: u32,
+    /// Whether only rays of infinite pdf go on: those of mirrors.
+    pub mirrors_only: bool,
     /// Whether the ray after the last scattering event is of use whatever its pdf.
     pub last_ray: bool,
 }
 
+/// Scattering events that have a gain of their own.
+pub const GAINS: usize = 8;
 /// The usual survival probability over throughput.
 pub const SURVIVAL_GAIN: f32 = 2.0;
 /// The largest survival probability.
@@ -57,6 +65,7 @@ pub fn roulette<S: Sampler>(
     kept: &mut Vec<Kept>,
     mut dropped: impl FnMut(u32),
 ) {
+    let branching = rules.gain.iter().any(|g| *g != rules.gain[0]);
     for i in (0..padded(n)).step_by(LANES) {
         let throughput = Vec3x::new(
             load(paths.throughput[0], i),
@@ -78,8 +87,11 @@ pub fn roulette<S: Sampler>(
         let last = as_mask(bounces.simd_eq(limit));
         let mark = as_bits(last) & Ux::splat(LAST_RAY);
         store_u32(paths.bounces, i, marked | mark);
+        let alone = load(paths.pdf, i).simd_eq(Fx::splat(f32::INFINITY));
+        if rules.mirrors_only {
+            survives &= alone;
+        }
         if !rules.last_ray {
-            let alone = load(paths.pdf, i).simd_eq(Fx::splat(f32::INFINITY));
             survives &= alone | as_mask(bounces.simd_lt(limit));
         }
         if rules.random {
@@ -88,7 +100,12 @@ pub fn roulette<S: Sampler>(
             let pixel = load_u32(paths.pixel, i);
             let sample = load_u32(paths.sample, i);
             let [_, _, u, _] = sampler.draw4(pixel, sample, block(vertex, Block::Direction));
-            let wish = largest * Fx::splat(rules.gain);
+            let gain = if branching {
+                gather(&rules.gain, vertex.min(Ux::splat(GAINS as u32 - 1)))
+            } else {
+                Fx::splat(rules.gain[0])
+            };
+            let wish = largest * gain;
             let q = wish.fast_min(Fx::splat(SURVIVAL_CAP));
             survives &= u.simd_lt(q);
             (throughput * (Fx::ONE / q)).store(&mut paths.throughput, i);

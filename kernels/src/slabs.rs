@@ -8,12 +8,12 @@
 //!
 //! **Bound** (after T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013). Let `u = 2^-24`. The
 //! near value is rounded three times (`b - o`, `1 / d`, the product), the far value four times
-//! (the reciprocal is scaled by `1 + PAD`): for a point of the box at ray parameter `t > 0` the
+//! (the least of the three is scaled by `1 + PAD`): for a point of the box at ray parameter `t > 0` the
 //! near value is at most `t (1 + u)^3` and the far value at least `t (1 + PAD) (1 - u)^4`. The
 //! triangle test (`triangle.rs`) is exact for a triangle whose vertices' distances from the
 //! origin along each axis are off by a factor of at most `1 + 5u`: subtraction, shear, product and
-//! the rounded direction. So a triangle that the test accepts has `t` within the slabs to
-//! `(3 + 4 + 5 + 5) u = 17u`; `PAD = 32u = 2^-19` covers that, and second-order terms, with the
+//! the rounded direction; and its distance is rounded by `13u` at most. So a triangle that the test
+//! accepts has `t` within the slabs to `(3 + 4 + 5 + 13) u = 25u`; `PAD = 32u = 2^-19` covers that, and second-order terms, with the
 //! next power of two. This holds while `t` stays above the smallest normal number.
 //!
 //! **Zero components.** `1 / ±0` is an infinity of the same sign. A plane strictly to one side
@@ -29,7 +29,7 @@
 use crate::bvh::Node;
 use crate::lanes::{Fx, Mask};
 
-/// How much the far side of a box, and the current closest distance, are moved away.
+/// By what share the far side of a box, and the current closest distance, are moved away.
 pub const PAD: f32 = 1.0 / 524_288.0;
 
 /// What the box test needs of a ray.
@@ -38,8 +38,6 @@ pub struct Slabs {
     origin: [f32; 3],
     /// Reciprocal direction.
     inverse: [f32; 3],
-    /// Reciprocal direction times `1 + PAD`, for the far planes.
-    inverse_far: [f32; 3],
     /// Which plane of each axis the ray meets first: 0 the lower, 1 the upper.
     near: [u32; 3],
 }
@@ -53,7 +51,6 @@ impl Slabs {
         Self {
             origin,
             inverse,
-            inverse_far: inverse.map(|i| i * (1.0 + PAD)),
             // The sign of the bit, not of the number: -0 belongs with the negatives.
             near: direction.map(|d| d.to_bits() >> 31),
         }
@@ -65,15 +62,17 @@ impl Slabs {
     #[inline(always)]
     #[must_use]
     pub fn test(&self, node: &Node, limit: f32) -> (Mask, Fx) {
-        let plane = |axis: usize, side: u32, inverse: f32| {
+        let plane = |axis: usize, side: u32| {
             let plane = node.planes[2 * axis + (side & 1) as usize];
-            (plane - Fx::splat(self.origin[axis])) * Fx::splat(inverse)
+            (plane - Fx::splat(self.origin[axis])) * Fx::splat(self.inverse[axis])
         };
-        let near = |axis: usize| plane(axis, self.near[axis], self.inverse[axis]);
-        let far = |axis: usize| plane(axis, self.near[axis] ^ 1, self.inverse_far[axis]);
+        let near = |axis: usize| plane(axis, self.near[axis]);
+        let far = |axis: usize| plane(axis, self.near[axis] ^ 1);
         // What may be NaN stands first.
         let enter = near(0).fast_max(near(1).fast_max(near(2).fast_max(Fx::ZERO)));
-        let leave = far(0).fast_min(far(1).fast_min(far(2).fast_min(Fx::splat(limit))));
+        let never = Fx::splat(f32::INFINITY);
+        let leave = far(0).fast_min(far(1).fast_min(far(2).fast_min(never)));
+        let leave = (leave * Fx::splat(1.0 + PAD)).fast_min(Fx::splat(limit));
         (!enter.simd_gt(leave), enter)
     }
 }

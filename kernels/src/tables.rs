@@ -1,5 +1,6 @@
 //! The scene as kernels see it: slices of tables.
 
+use crate::interpolate::Attributes;
 use crate::lanes::{Fx, Ux, gather};
 use crate::light::{Environment, Punctual, Tree};
 use crate::vec3::{Columns, Vec3x};
@@ -16,6 +17,8 @@ pub struct Tables<'a> {
     pub materials: Materials<'a>,
     /// Lights.
     pub lights: Lights<'a>,
+    /// What vertices carry besides, where some surfaces are interpolated.
+    pub attributes: Option<Attributes<'a>>,
 }
 
 /// Triangle tables, world space.

@@ -25,6 +25,14 @@
 //! the ray, main-axis errors of `12uS` count `sqrt(3)` times at most. With the two roundings of the
 //! last product, the distance of a unit direction is off by less than `(7.1 / cos + 23) uS`.
 //!
+//! **Contact.** A ray that leaves a triangle starts, to rounding, in the plane of a coplanar neighbour,
+//! and must not meet it: there the sign of the distance decides, and an error of `uS` is too much.
+//! So where the distance along the main axis is less than [`CONTACT`] of the farthest corner's, it is
+//! computed again in f64, from the plane of the corners as they are given, not sheared: an origin in
+//! that plane is at distance 0, and one above it by as little as `surface.rs` makes it is above it.
+//! Sheared corners' errors move a distance by up to `10u` times the farthest corner's, times length
+//! over width of the triangle as the ray sees it: up to a ratio of `2^16 / 10` no sign is wrong.
+//!
 //! Input: any finite triangles and origins; directions as [`Shear::new`] takes them. A triangle
 //! seen edge-on, or without area, is never hit. Reads 160 bytes a block.
 
@@ -36,6 +44,9 @@ use wide::f32x4;
 /// reciprocal, are decided in f64. It is no tolerance (both ways of deciding give an answer, and
 /// the f64 one is exact): from 2^-102 down, f32 products lose bits to underflow.
 pub(crate) const SURE: f32 = 1.0 / ((1u128 << 100) as f32);
+
+/// Distances below this share of the farthest corner's are computed in f64 from the plane.
+pub(crate) const CONTACT: f32 = 1.0 / 256.0;
 
 /// What the triangle test needs of a ray.
 #[derive(Clone, Copy, Debug, Default)]
@@ -115,8 +126,16 @@ impl Shear {
     #[inline(always)]
     #[must_use]
     pub fn test(&self, block: &Block) -> Candidates<f32x4> {
+        self.test_but(block, f32x4::splat(0.0))
+    }
+
+    /// The same where nobody will look at the lanes of the mask `ignored`, as at the triangle that
+    /// the ray leaves: it would need the exact test every time.
+    #[inline(always)]
+    #[must_use]
+    pub fn test_but(&self, block: &Block, ignored: f32x4) -> Candidates<f32x4> {
         let (found, sure) = self.view(block).meet();
-        if sure.all() {
+        if (sure | ignored).all() {
             return found;
         }
         // Field by field: handed on whole, it would go through memory on the usual way too.
@@ -139,9 +158,9 @@ impl Shear {
     #[inline(always)]
     fn view(&self, block: &Block) -> View<f32x4> {
         // The remainder tells the compiler that no index is out of range.
-        let axes = self.axes.map(|a| (a % 3) as usize);
+        let [x, y, z] = self.axes.map(|a| &block.vertex[(a % 3) as usize]);
         View {
-            corners: block.vertex.each_ref().map(|v| axes.map(|a| v[a])),
+            corners: [[x[0], y[0], z[0]], [x[1], y[1], z[1]], [x[2], y[2], z[2]]],
             origin: self.origin.map(f32x4::splat),
             slope: self.shear.map(f32x4::splat),
             inverse: f32x4::splat(self.inverse),
@@ -200,6 +219,13 @@ pub(crate) fn share<V: Lanes>([a, b, c]: [&[V; 3]; 3], weights: [V; 3], det: V) 
     [depth, ub + zero, uc + zero]
 }
 
+/// Where the distance is so small a share of the corners' that only the plane knows its sign.
+#[inline(always)]
+pub(crate) fn touches<V: Lanes>([a, b, c]: [&[V; 3]; 3], depth: V) -> V {
+    let farthest = a[2].abs().fast_max(b[2].abs().fast_max(c[2].abs()));
+    depth.abs().less(farthest * V::splat(CONTACT))
+}
+
 impl<V: Lanes> View<V> {
     #[inline(always)]
     fn shear(&self) -> Sheared<V> {
@@ -227,13 +253,36 @@ impl<V: Lanes> View<V> {
         // computed in vain; a branch around it would be mispredicted every other time.
         let [depth, u, v] = share(sheared.corners.each_ref(), sheared.weights, det);
         let t = depth * self.inverse;
+        let inside = !(negative & positive);
+        let sure = sure & !(inside & touches(sheared.corners.each_ref(), depth));
         let found = Candidates {
-            met: !(negative & positive) & zero.less(t),
+            met: inside & zero.less(t),
             t,
             u,
             v,
         };
         (found, sure)
+    }
+
+    /// Distance along the main axis to the plane of a lane's triangle, from the corners as given.
+    fn plane_depth(&self, lane: usize) -> f64 {
+        let number = |v: &V| f64::from(v.lanes()[lane]);
+        let [a, b, c] = self
+            .corners
+            .each_ref()
+            .map(|p| [0, 1, 2].map(|k| number(&p[k]) - number(&self.origin[k])));
+        let (p, q) = (
+            [0, 1, 2].map(|k| b[k] - a[k]),
+            [0, 1, 2].map(|k| c[k] - a[k]),
+        );
+        let normal = [
+            p[1] * q[2] - p[2] * q[1],
+            p[2] * q[0] - p[0] * q[2],
+            p[0] * q[1] - p[1] * q[0],
+        ];
+        let along = normal[0] * number(&self.slope[0]) + normal[1] * number(&self.slope[1]);
+        let away = normal[0] * a[0] + normal[1] * a[1] + normal[2] * a[2];
+        away / (along + normal[2])
     }
 
     /// The test, with the lanes that f32 is not sure of decided in f64 from the same sheared
@@ -265,7 +314,16 @@ impl<V: Lanes> View<V> {
             ];
             let det = w[0] + w[1] + w[2];
             let inside = w.iter().all(|&e| e >= 0.0) || w.iter().all(|&e| e <= 0.0);
-            let depth = (w[0] * a[2] + w[1] * b[2] + w[2] * c[2]) / det;
+            let mean = (w[0] * a[2] + w[1] * b[2] + w[2] * c[2]) / det;
+            let plane = self.plane_depth(lane);
+            // Seen edge-on, the plane says nothing; nor may it lead out of the triangle. Where a
+            // sheared corner overflowed, nothing is met.
+            let depth = if plane.is_finite() && mean.is_finite() {
+                let (low, high) = (a[2].min(b[2]).min(c[2]), a[2].max(b[2]).max(c[2]));
+                plane.max(low).min(high)
+            } else {
+                mean
+            };
             let t = (depth * f64::from(self.inverse.lanes()[lane])) as f32;
             // A det of 0, or a corner that overflowed, leaves NaN or infinity in t.
             let met = inside && det != 0.0 && t > 0.0 && t < f32::INFINITY;

@@ -27,6 +27,8 @@ pub trait Lanes:
     fn abs(self) -> Self;
     /// The lesser of two, either if one is NaN.
     fn fast_min(self, other: Self) -> Self;
+    /// The greater of two, either if one is NaN.
+    fn fast_max(self, other: Self) -> Self;
     /// `self < other`.
     fn less(self, other: Self) -> Self;
     /// `self <= other`.
@@ -61,6 +63,10 @@ macro_rules! lanes {
             #[inline(always)]
             fn fast_min(self, other: Self) -> Self {
                 self.fast_min(other)
+            }
+            #[inline(always)]
+            fn fast_max(self, other: Self) -> Self {
+                self.fast_max(other)
             }
             #[inline(always)]
             fn less(self, other: Self) -> Self {

@@ -109,6 +109,7 @@ impl Scene {
                 indices: &INDICES,
                 material: &MATERIAL,
             },
+            attributes: None,
             materials: Materials {
                 albedo,
                 emission: [&[1.0, 2.0], &[3.0, 4.0], &[5.0, 6.0]],
@@ -346,6 +347,7 @@ fn a_back_that_does_not_emit_is_no_valid_sample() {
             material: &MATERIAL,
         },
         materials,
+        attributes: None,
         lights: Lights {
             keep: &[1.0],
             alias: &[0],
@@ -375,6 +377,7 @@ fn where_light_passes_through_the_sky_is_sampled_all_around_and_rays_start_on_it
             indices: &INDICES,
             material: &MATERIAL,
         },
+        attributes: None,
         materials: Materials {
             albedo: [&[0.5; 2]; 3],
             parameters: [&[0.0; 2]; huygens_kernels::tables::SLOTS],

@@ -20,6 +20,7 @@ fn tables<'a>(punctual: &'a [Punctual], keep: &'a [f32], source: &'a [u32]) -> T
             indices: &[],
             material: &[],
         },
+        attributes: None,
         materials: Materials {
             albedo: [&[]; 3],
             parameters: [&[]; SLOTS],

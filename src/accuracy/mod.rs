@@ -18,7 +18,9 @@
 mod difference;
 mod false_colour;
 mod fit;
+mod flip;
 pub mod report;
+mod rounds;
 pub mod scene;
 mod study;
 mod targets;
@@ -28,5 +30,7 @@ pub use difference::{
 };
 pub use false_colour::{NO_NUMBER, false_colour};
 pub use fit::{Fit, log_log};
+pub use flip::{PIXELS_PER_DEGREE, flip};
+pub use rounds::{Ended, Goal, Rounds, render_rounds};
 pub use study::{Curve, End, LEVEL, Ladder, Point, Rung, Study, study};
 pub use targets::{Estimate, Method, Problem, Target};

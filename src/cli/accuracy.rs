@@ -11,6 +11,7 @@ mod table;
 
 use crate::cli::failure::Failure;
 use crate::cli::options::{self, ImageOptions, WorkOptions};
+use crate::cli::values;
 use crate::cli::{memory, system};
 use clap::ValueEnum;
 use huygens::accuracy::Target;
@@ -44,7 +45,7 @@ pub(crate) struct Args {
 
     /// Longest time for the whole study, such as 90s, 500ms or 2m; what is done by then is shown
     /// [default: none]
-    #[arg(long, value_name = "TIME", value_parser = options::time)]
+    #[arg(long, value_name = "TIME", value_parser = values::time)]
     budget: Option<Duration>,
 
     /// Independent estimates or renders at each rung of the ladder, 2 to 1048576 [default: 64 of an
@@ -83,7 +84,7 @@ pub(crate) struct SceneArgs {
     vary: Option<Vec<Family>>,
 
     /// Relative error whose cost decides, such as 1% or 0.01 [default: 2%]
-    #[arg(long, value_name = "ERROR", value_parser = options::share)]
+    #[arg(long, value_name = "ERROR", value_parser = values::share)]
     target_error: Option<f64>,
 
     /// Reference image (.exr) [default: one made by the study and kept beside the scene]
@@ -91,7 +92,7 @@ pub(crate) struct SceneArgs {
     reference: Option<PathBuf>,
 
     /// Relative error of the reference that the study makes [default: half of the target error]
-    #[arg(long, value_name = "ERROR", value_parser = options::share)]
+    #[arg(long, value_name = "ERROR", value_parser = values::share)]
     reference_error: Option<f64>,
 
     /// Neither look for a reference beside the scene nor keep one there

@@ -3,11 +3,11 @@
 mod json;
 
 use crate::cli::failure::{Failure, warn};
-use crate::cli::options;
 use crate::cli::summary::plural;
 use crate::cli::text::out;
+use crate::cli::values;
 use huygens::accuracy::{
-    Difference, NoiseOf, Picture, TRIM, difference, false_colour, pixel_errors,
+    Difference, NoiseOf, Picture, TRIM, difference, false_colour, flip, pixel_errors,
 };
 use huygens::film::exr::{ExrImage, read_exr};
 use huygens::film::output::{Format, ensure_writable};
@@ -34,7 +34,7 @@ pub(crate) struct Args {
 
     /// Error that the error image shows as white, above 0 [default: the largest, but for one pixel in
     /// a hundred]
-    #[arg(long, value_name = "ERROR", value_parser = options::positive)]
+    #[arg(long, value_name = "ERROR", value_parser = values::positive)]
     #[arg(allow_negative_numbers = true)]
     scale: Option<f32>,
 
@@ -77,11 +77,15 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         write_error_image(path, &image, &errors, white)?;
         scale = Some(white);
     }
+    let seen = flip(a, b);
     if let Some(path) = &args.json {
-        json::Report::new(&args.image, &args.reference, a, &measures, scale).write(path)?;
+        json::Report::new(&args.image, &args.reference, a, &measures, seen, scale).write(path)?;
     }
     if !args.quiet {
         out(&text(args, a, &measures));
+        if let Some(seen) = seen {
+            out(&format!("  FLIP     {seen:.4}\n"));
+        }
         if let (Some(path), Some(white)) = (&args.output, scale) {
             out(&format!(
                 "  wrote    {}, white is {white:.3e}\n",

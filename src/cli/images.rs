@@ -4,6 +4,7 @@ use crate::cli::failure::Failure;
 use crate::cli::options;
 use crate::cli::stats::Stats;
 use crate::cli::summary::plural;
+use crate::cli::values;
 use huygens::film::Image;
 use huygens::film::exr::{ExrOptions, Metadata, write_exr};
 use huygens::film::output::{Format, ensure_writable};
@@ -23,7 +24,7 @@ pub(crate) struct OutputOptions {
 
     /// Exposure in stops, -64 to 64: radiance is multiplied by 2^STOPS (PNG only) [default: 0; for
     /// depth, what makes the farthest pixel white]
-    #[arg(long, value_name = "STOPS", help_heading = "Output", value_parser = options::stops)]
+    #[arg(long, value_name = "STOPS", help_heading = "Output", value_parser = values::stops)]
     #[arg(allow_negative_numbers = true)]
     exposure: Option<f32>,
 
@@ -104,9 +105,14 @@ impl OutputOptions {
         let metadata = Metadata {
             scene: scene.name.clone(),
             scene_hash: scene.hash,
-            spp: scene.settings.spp,
+            spp: if stats.until.is_empty() {
+                scene.settings.spp
+            } else {
+                // Nobody asked for a number.
+                image.samples.iter().copied().max().unwrap_or(0)
+            },
             seed: scene.settings.seed,
-            settings: options::as_options(scene),
+            settings: options::as_options(scene) + &stats.until,
             seconds: stats.seconds.render,
         };
         let options = ExrOptions {
@@ -135,11 +141,10 @@ impl OutputOptions {
 
     /// How a PNG shows this integrator's values: light as film would, anything else as it is.
     fn look(&self, integrator: Integrator, image: &Image) -> Look {
-        let tone_map = match integrator {
-            Integrator::Path | Integrator::Direct | Integrator::Reference => ToneMap::Filmic,
-            Integrator::Ao | Integrator::Normals | Integrator::Depth | Integrator::Albedo => {
-                ToneMap::None
-            }
+        let tone_map = if integrator.is_transport() {
+            ToneMap::Filmic
+        } else {
+            ToneMap::None
         };
         let scale = match (self.exposure, integrator) {
             (Some(exposure), _) => stops(exposure),

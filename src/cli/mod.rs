@@ -17,6 +17,8 @@ mod stats;
 mod summary;
 mod system;
 mod text;
+mod until;
+mod values;
 
 use clap::{Parser, Subcommand};
 use failure::Failure;
@@ -37,7 +39,7 @@ struct Cli {
 enum Command {
     Render(Box<render::Args>),
     Inspect(inspect::Args),
-    Accuracy(accuracy::Args),
+    Accuracy(Box<accuracy::Args>),
     Diff(diff::Args),
     Bench(bench::Args),
     Profile(Box<profile::Args>),

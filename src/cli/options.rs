@@ -1,11 +1,12 @@
-//! Options that several subcommands share, and parsers of their values.
+//! Options that several subcommands share.
 
+use crate::cli::failure::Failure;
 use crate::cli::memory;
+use crate::cli::values::{self, Depth, Split};
 use clap::{Args, ValueEnum};
 use huygens::scene::{Filter, Scene};
 use huygens::settings::{Integrator, LightSelection, Preset, Sampler, Settings, Strategy};
 use std::path::PathBuf;
-use std::time::Duration;
 
 /// The scene, and how strictly it is taken.
 #[derive(Debug, Args)]
@@ -33,11 +34,11 @@ pub(crate) struct ImageOptions {
     pub(crate) spp: Option<u32>,
 
     /// Image size in pixels, each side 1 to 65535; keeps the vertical field of view
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = values::size)]
     pub(crate) size: Option<(u32, u32)>,
 
     /// Largest number of scattering events on a path, 0 to 2147483647, or none
-    #[arg(long, value_name = "N|none", value_parser = depth, allow_negative_numbers = true)]
+    #[arg(long, value_name = "N|none", value_parser = values::depth, allow_negative_numbers = true)]
     pub(crate) max_depth: Option<Depth>,
 
     /// What is computed for each sample
@@ -60,6 +61,11 @@ pub(crate) struct ImageOptions {
     #[arg(long, value_name = "on|off|aggressive", hide_possible_values = true)]
     pub(crate) roulette: Option<Roulette>,
 
+    /// Ways on from the first surface, and after commas from each of those at the next, and so on:
+    /// at most 8 numbers, each at least 1, whose product is at most 65536
+    #[arg(long, value_name = "N[,N...]", value_parser = values::split)]
+    pub(crate) split: Option<Split>,
+
     /// Seed of the random numbers, 0 to 4294967295
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) seed: Option<u32>,
@@ -70,7 +76,7 @@ pub(crate) struct ImageOptions {
 
     /// Occlusion distance of the integrator ao in scene units, above 0 [if the scene says nothing:
     /// a tenth of the scene's diagonal]
-    #[arg(long, value_name = "LENGTH", value_parser = positive, allow_negative_numbers = true)]
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive, allow_negative_numbers = true)]
     pub(crate) ao_distance: Option<f32>,
 }
 
@@ -106,10 +112,6 @@ pub(crate) enum Roulette {
     Aggressive,
 }
 
-/// A maximum depth, or explicitly none (where the scene has one).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Depth(Option<u32>);
-
 impl ImageOptions {
     /// Puts these options over those of the scene.
     pub(crate) fn apply(&self, scene: &mut Scene) {
@@ -129,7 +131,12 @@ impl ImageOptions {
         let s = &mut scene.settings;
         s.spp = self.spp.unwrap_or(s.spp);
         s.max_depth = self.max_depth.map_or(s.max_depth, |d| d.0);
-        s.integrator = self.integrator.unwrap_or(s.integrator);
+        if let Some(integrator) = self.integrator {
+            s.integrator = integrator;
+            if integrator == Integrator::Whitted && self.spp.is_none() {
+                s.spp = 1;
+            }
+        }
         s.strategy = self.strategy.unwrap_or(s.strategy);
         s.light_selection = self.light_selection.unwrap_or(s.light_selection);
         s.sampler = self.sampler.unwrap_or(s.sampler);
@@ -139,6 +146,9 @@ impl ImageOptions {
                 Roulette::Aggressive => Settings::AGGRESSIVE,
                 Roulette::On | Roulette::Off => Settings::default().survival,
             };
+        }
+        if let Some(split) = &self.split {
+            s.split.clone_from(&split.0);
         }
         s.seed = self.seed.unwrap_or(s.seed);
         s.ao_distance = self.ao_distance.or(s.ao_distance);
@@ -154,10 +164,26 @@ impl ImageOptions {
             ("--strategy", self.strategy.is_some()),
             ("--sampler", self.sampler.is_some()),
             ("--roulette", self.roulette.is_some()),
+            ("--split", self.split.is_some()),
             ("--seed", self.seed.is_some()),
             ("--filter", self.filter.is_some()),
             ("--ao-distance", self.ao_distance.is_some()),
         ])
+    }
+
+    /// Refuses what cannot be counted, of a scene over which these options have been put.
+    pub(crate) fn ensure_countable(scene: &Scene) -> Result<(), Failure> {
+        let s = &scene.settings;
+        let branches: u64 = s.split.iter().map(|&n| u64::from(n)).product();
+        let all = branches.saturating_mul(u64::from(s.spp));
+        if all <= i32::MAX as u64 {
+            return Ok(());
+        }
+        Err(Failure::input(format!(
+            "{} samples of {branches} branches each are too many; expected at most {} branches in all",
+            s.spp,
+            i32::MAX
+        )))
     }
 
     /// Warnings about options that do nothing for `scene`, over which they have been put.
@@ -165,6 +191,9 @@ impl ImageOptions {
         let integrator = scene.settings.integrator;
         let no_ao = self.ao_distance.is_some() && integrator != Integrator::Ao;
         let reference = self.sampler.is_some() && integrator == Integrator::Reference;
+        let whitted = self.strategy.is_some() && integrator == Integrator::Whitted;
+        let one_way = self.split.is_some()
+            && (!integrator.is_transport() || integrator == Integrator::Reference);
         [
             (
                 no_ao,
@@ -173,6 +202,14 @@ impl ImageOptions {
             (
                 reference,
                 "--sampler does nothing: the integrator reference has numbers of its own",
+            ),
+            (
+                whitted,
+                "--strategy does nothing: the integrator whitted samples lights alone",
+            ),
+            (
+                one_way,
+                "--split does nothing: paths of this integrator never branch",
             ),
         ]
         .into_iter()
@@ -224,6 +261,9 @@ pub(crate) fn as_options(scene: &Scene) -> String {
         s.seed,
         name(scene.film.filter.to_possible_value()),
     );
+    if !s.split.is_empty() {
+        text += &format!(" --split {}", values::list(&s.split));
+    }
     if let Some(distance) = s.ao_distance {
         text += &format!(" --ao-distance {distance}");
     }
@@ -239,152 +279,8 @@ pub(crate) fn roulette(s: &Settings) -> &'static str {
     }
 }
 
-fn size(text: &str) -> Result<(u32, u32), String> {
-    let expected = || format!("expected WIDTHxHEIGHT, such as 640x480, found {text}");
-    let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
-    let side = |side: &str| -> Result<u32, String> {
-        let pixels: i64 = side.parse().map_err(|_| expected())?;
-        match pixels {
-            1..=65_535 => Ok(pixels as u32),
-            _ => Err(format!("a side of {pixels} pixels; expected 1 to 65535")),
-        }
-    };
-    Ok((side(width)?, side(height)?))
-}
-
-fn depth(text: &str) -> Result<Depth, String> {
-    if text == "none" {
-        return Ok(Depth(None));
-    }
-    let number = text.parse().ok().filter(|&d| d <= i32::MAX as u32);
-    number
-        .map(|d| Depth(Some(d)))
-        .ok_or_else(|| "expected 0 to 2147483647, or none".to_owned())
-}
-
-/// A finite number above 0.
-pub(crate) fn positive(text: &str) -> Result<f32, String> {
-    let number: Option<f32> = text.parse().ok();
-    number
-        .filter(|v| v.is_finite() && *v > 0.0)
-        .ok_or_else(|| "expected a finite number above 0".to_owned())
-}
-
 /// The names of those options that were given.
 pub(crate) fn given(options: &[(&'static str, bool)]) -> Vec<&'static str> {
     let given = options.iter().filter(|(_, given)| *given);
     given.map(|(name, _)| *name).collect()
-}
-
-/// A share above 0 and at most 1, as a number or in per cent.
-pub(crate) fn share(text: &str) -> Result<f64, String> {
-    let (number, unit) = match text.strip_suffix('%') {
-        Some(number) => (number, 100.0),
-        None => (text, 1.0),
-    };
-    let number: Option<f64> = number.trim().parse().ok();
-    number
-        .map(|n| n / unit)
-        .filter(|s| *s > 0.0 && *s <= 1.0)
-        .ok_or_else(|| "expected a share above 0 and at most 1, such as 1% or 0.01".to_owned())
-}
-
-/// Exposure in stops, between -64 and 64.
-pub(crate) fn stops(text: &str) -> Result<f32, String> {
-    let number: Option<f32> = text.parse().ok();
-    number
-        .filter(|v| (-64.0..=64.0).contains(v))
-        .ok_or_else(|| "expected a number of stops from -64 to 64".to_owned())
-}
-
-/// A time above 0: a number and `ms`, `s`, `m` or `h`; `s` if there is none.
-pub(crate) fn time(text: &str) -> Result<Duration, String> {
-    let (number, unit) = match text.find(|c: char| c.is_ascii_alphabetic()) {
-        Some(at) => text.split_at(at),
-        None => (text, "s"),
-    };
-    let scale = match unit.trim() {
-        "ms" => Some(1e-3),
-        "s" => Some(1.0),
-        "m" | "min" => Some(60.0),
-        "h" => Some(3600.0),
-        _ => None,
-    };
-    let number: Option<f64> = number.trim().parse().ok();
-    let seconds = number.zip(scale).map(|(n, scale)| n * scale);
-    // Beyond it a Duration would overflow.
-    let longest = 1e9;
-    seconds
-        .filter(|s| *s > 0.0 && *s <= longest)
-        .map(Duration::from_secs_f64)
-        .ok_or_else(|| "expected a time above 0, such as 90s, 500ms, 2m or 1h".to_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes() {
-        assert_eq!(size("640x480"), Ok((640, 480)));
-        assert_eq!(size("1X65535"), Ok((1, 65_535)));
-        for wrong in [
-            "0x480", "640x0", "640", "640x", "axb", "-1x5", "65536x1", "6 x4", "",
-        ] {
-            assert!(size(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn depths() {
-        assert_eq!(depth("none"), Ok(Depth(None)));
-        assert_eq!(depth("0"), Ok(Depth(Some(0))));
-        assert_eq!(depth("2147483647"), Ok(Depth(Some(2_147_483_647))));
-        assert!(depth("2147483648").is_err() && depth("-1").is_err() && depth("").is_err());
-    }
-
-    #[test]
-    fn times() {
-        for (text, seconds) in [
-            ("90s", 90.0),
-            ("90", 90.0),
-            ("1.5 s", 1.5),
-            ("500ms", 0.5),
-            ("2m", 120.0),
-            ("2min", 120.0),
-            ("1h", 3600.0),
-        ] {
-            assert_eq!(time(text), Ok(Duration::from_secs_f64(seconds)), "{text}");
-        }
-        for wrong in [
-            "",
-            "s",
-            "0s",
-            "-1s",
-            "nan",
-            "inf",
-            "1e30h",
-            "5 fortnights",
-            "1s2",
-        ] {
-            assert!(time(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn shares() {
-        for (text, expected) in [("1%", 0.01), ("0.01", 0.01), ("100 %", 1.0), ("1", 1.0)] {
-            assert_eq!(share(text), Ok(expected), "{text}");
-        }
-        for wrong in ["", "%", "0", "-1%", "101%", "1.5", "nan", "one"] {
-            assert!(share(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn numbers_that_are_not_finite_are_refused() {
-        assert!(positive("nan").is_err() && positive("inf").is_err() && positive("0").is_err());
-        assert!(stops("nan").is_err() && stops("65").is_err());
-        assert_eq!(stops("-1.5"), Ok(-1.5));
-    }
 }

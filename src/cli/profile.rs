@@ -4,9 +4,10 @@ mod text;
 
 use crate::cli::failure::{Failure, warn};
 use crate::cli::load::load;
-use crate::cli::options::{self, ImageOptions, SceneOptions, WorkOptions, time};
+use crate::cli::options::{self, ImageOptions, SceneOptions, WorkOptions};
 use crate::cli::progress::Progress;
 use crate::cli::text::out;
+use crate::cli::values;
 use huygens::film::Film;
 use huygens::film::output::{ensure_writable, write_atomically};
 use huygens::geometry::Geometry;
@@ -32,7 +33,7 @@ pub(crate) struct Args {
     scene: SceneOptions,
 
     /// How long to render: a number and ms, s, m or h
-    #[arg(long, value_name = "TIME", value_parser = time, default_value = "5s")]
+    #[arg(long, value_name = "TIME", value_parser = values::time, default_value = "5s")]
     time: Duration,
 
     /// Write the numbers as JSON (see docs/profiling.md)

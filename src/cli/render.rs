@@ -10,6 +10,7 @@ use crate::cli::stats::Stats;
 use crate::cli::summary::{plural, summary};
 use crate::cli::system::{peak_memory, physical_memory};
 use crate::cli::text::{bytes, out};
+use crate::cli::until::{Rendered, UntilOptions};
 use huygens::film::output::ensure_writable;
 use huygens::film::{Film, Image};
 use huygens::geometry::Geometry;
@@ -35,6 +36,9 @@ pub(crate) struct Args {
 
     #[command(flatten)]
     image: ImageOptions,
+
+    #[command(flatten)]
+    until: UntilOptions,
 
     #[command(flatten)]
     work: WorkOptions,
@@ -64,11 +68,13 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         compile_seconds,
     } = pool.install(|| load(&args.scene, args.image.size, args.work.bvh, progress))?;
     args.image.apply(&mut scene);
+    args.until.apply(args.image.spp, &mut scene.settings);
     args.work.apply(&mut scene.settings);
     let mut warnings = scene.warnings.clone();
     warnings.extend(args.image.needless(&scene));
     warnings.extend(args.output.needless(&targets));
     warn(&warnings, args.scene.strict)?;
+    ImageOptions::ensure_countable(&scene)?;
     ensure_memory(&scene.film, physical_memory())?;
 
     let label = format!(
@@ -81,18 +87,47 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let film = Film::new(scene.film.width, scene.film.height, scene.settings.tile);
     let control = interrupts.rendering();
     let pixels = u64::from(scene.film.width) * u64::from(scene.film.height);
-    let asked = pixels * u64::from(scene.settings.spp);
-    let render = progress.render(asked, control, || {
-        wave::render(&scene, &geometry, &scene.settings, &film, control)
-    });
-    if film.samples() == 0 && render.stopped {
-        let message = "no sample was finished, so nothing is written";
-        return Err(Failure::Interrupted(message.to_owned()));
+    if let Some(time) = args.until.time {
+        // Set once, here.
+        let _ = control.deadline.set(Instant::now() + time);
     }
+    let rendered = if args.until.in_rounds(&scene.settings) {
+        let rounds = || args.until.render(&scene, &geometry, control);
+        progress.phase("render in rounds", rounds).0
+    } else {
+        let asked = pixels * u64::from(scene.settings.spp);
+        let work = || wave::render(&scene, &geometry, &scene.settings, &film, control);
+        let render = if args.until.given() {
+            progress.phase("render until the time is over", work).0
+        } else {
+            progress.render(asked, control, work)
+        };
+        Rendered::at_once(render, &film)
+    };
+    let interrupted = interrupts.received();
+    if rendered.samples == 0 && rendered.stats.stopped {
+        let message = "no sample was finished, so nothing is written";
+        return Err(if interrupted {
+            Failure::Interrupted(message.to_owned())
+        } else {
+            Failure::Other(miette::miette!(
+                "the time was over before a sample was finished"
+            ))
+        });
+    }
+    warn(&args.until.missed(&rendered), false)?;
 
+    let Rendered {
+        stats: render,
+        image,
+        error,
+        samples,
+    } = rendered;
     let mut stats = Stats::new(&scene, path, render, &warnings);
+    stats.interrupted = interrupted;
+    stats.until(&args.until, error);
     let write = || {
-        let image = film.develop();
+        let image = image.unwrap_or_else(|| film.develop());
         pool.install(|| args.output.write(&targets, &image, &scene, &stats))
     };
     let (written, write_seconds) = progress.phase("write", write);
@@ -112,9 +147,12 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         out(&summary(&scene.name, &options::as_options(&scene), &stats));
     }
     if stats.interrupted || interrupts.received() {
-        let mean = film.samples() as f64 / pixels as f64;
-        let spp = scene.settings.spp;
-        let message = format!("wrote the image with {mean:.2} of {spp} samples a pixel");
+        let mean = samples as f64 / pixels as f64;
+        let of = match scene.settings.spp {
+            _ if args.until.given() && args.image.spp.is_none() => String::new(),
+            spp => format!(" of {spp}"),
+        };
+        let message = format!("wrote the image with {mean:.2}{of} samples a pixel");
         return Err(Failure::Interrupted(message));
     }
     Ok(())

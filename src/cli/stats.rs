@@ -1,6 +1,7 @@
 //! `--stats`: the numbers of a render for scripts. The layout is an interface: `docs/stats.md`
 //! documents it, and a test holds the two together.
 
+use crate::cli::until::UntilOptions;
 use huygens::effects::light_selection;
 use huygens::film::output::{OutputError, write_atomically};
 use huygens::scene::{Filter, Scene};
@@ -32,6 +33,15 @@ pub(crate) struct Stats {
     pub(crate) threads: usize,
     pub(crate) peak_memory_bytes: Option<u64>,
     pub(crate) interrupted: bool,
+    /// The relative error asked for.
+    target_error: Option<f64>,
+    /// Seconds of rendering asked for.
+    time: Option<f64>,
+    /// The relative error, if it was estimated.
+    pub(crate) error: Option<f64>,
+    /// How the image's end was asked for, as options.
+    #[serde(skip)]
+    pub(crate) until: String,
     pub(crate) dropped: DroppedStats,
     pub(crate) untraceable: DroppedStats,
     warnings: Vec<String>,
@@ -66,6 +76,7 @@ struct SettingsStats {
     max_depth: Option<u32>,
     roulette: bool,
     survival: f32,
+    split: Vec<u32>,
     seed: u32,
     ao_distance: Option<f32>,
     bvh: Preset,
@@ -163,6 +174,7 @@ impl Stats {
                 max_depth: s.max_depth,
                 roulette: s.roulette,
                 survival: s.survival,
+                split: s.split.clone(),
                 seed: s.seed,
                 ao_distance: s.ao_distance,
                 bvh: s.bvh,
@@ -191,12 +203,24 @@ impl Stats {
             threads: render.threads,
             peak_memory_bytes: None,
             interrupted: render.stopped,
+            target_error: None,
+            time: None,
+            error: None,
+            until: String::new(),
             dropped: DroppedStats::new(render.dropped),
             untraceable: DroppedStats::new(render.untraceable),
             warnings: warnings.to_vec(),
             outputs: Vec::new(),
             stages: render.stages,
         }
+    }
+
+    /// How its end was asked for, and the error that came of it.
+    pub(crate) fn until(&mut self, until: &UntilOptions, error: Option<f64>) {
+        self.target_error = until.target_error;
+        self.time = until.time.map(|t| t.as_secs_f64());
+        self.error = error;
+        self.until = until.as_options();
     }
 
     /// Writes them to `path`, atomically.

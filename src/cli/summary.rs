@@ -33,6 +33,9 @@ pub(crate) fn summary(scene: &str, settings: &str, stats: &Stats) -> String {
             plural(stats.threads as u64, "thread"),
         ),
     );
+    if let Some(error) = stats.error {
+        line("error", format!("{:.2}% by estimate", 100.0 * error));
+    }
     let r = &stats.rays;
     line(
         "rays",

@@ -23,6 +23,18 @@ pub struct Image {
 }
 
 impl Film {
+    /// The means of a tile's pixels, in scanline order, if all samples below the index `samples` are on
+    /// the film. Samples that were left out do not count.
+    #[must_use]
+    pub fn means(&self, tile: usize, samples: u32) -> Option<Vec<[f64; 3]>> {
+        let sums = self.exposures[tile]
+            .sums
+            .lock()
+            .expect("no commit panicked");
+        let mean = |p: &PixelSums| p.value.map(|v| v / f64::from(p.count.max(1)));
+        (sums.next_sample >= samples).then(|| sums.pixels.iter().map(mean).collect())
+    }
+
     /// The image that the samples so far make.
     #[must_use]
     pub fn develop(&self) -> Image {

@@ -83,6 +83,13 @@ impl Film {
                 height: tile.min(height - y),
             })
             .collect();
+        Self::of_tiles(width, height, tiles)
+    }
+
+    /// An unexposed film of `width` by `height` pixels, of which only these tiles are there: the rest
+    /// stays black. They lie on the film, and apart.
+    #[must_use]
+    pub fn of_tiles(width: u32, height: u32, tiles: Vec<Tile>) -> Self {
         let exposures = tiles.iter().map(Exposure::new).collect();
         Self {
             width,

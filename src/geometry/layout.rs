@@ -119,11 +119,15 @@ impl Part {
         mut below: impl FnMut(Pending),
     ) {
         self.depth = self.depth.max(depth);
-        let children = if depth >= BALANCE_FROM {
+        let mut children = if depth >= BALANCE_FROM {
             evenly(mesh, collapse, what)
         } else {
             as_collapsed(collapse, &what)
         };
+        // An occlusion query visits the highest slot first. A ray that enters a small box is more
+        // likely to end there, and sooner, than in a large one.
+        let area = |child: &Child| child.aabb.half_area();
+        children.sort_by(|a, b| area(b).total_cmp(&area(a)));
         let mut triangles = Vec::with_capacity(MAX_LEAF);
         for (slot, child) in children.into_iter().enumerate() {
             let area = f64::from(child.aabb.half_area());

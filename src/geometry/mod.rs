@@ -19,11 +19,8 @@ use collapse::Collapse;
 use huygens_kernels::bvh::{Block, Bvh, Node};
 use huygens_kernels::few::Triangle;
 use huygens_kernels::rays::{Hits, Rays, Segments};
-use huygens_kernels::{few, flight, packet};
+use huygens_kernels::{few, many, packet};
 use layout::Layout;
-
-/// Rays under way together: see `docs/performance.md`.
-const IN_FLIGHT: usize = 32;
 
 /// Up to so many triangles are all tested rather than sought through the tree: see
 /// `docs/performance.md`.
@@ -74,7 +71,7 @@ impl Geometry {
     /// Closest hit of each ray.
     pub fn closest(&self, rays: Rays, hits: Hits) {
         if self.few.triangles.is_empty() {
-            packet::closest::<IN_FLIGHT>(self.bvh(), rays, hits);
+            packet::closest(self.bvh(), rays, hits);
         } else {
             few::closest(self.few.view(), rays, hits);
         }
@@ -83,7 +80,7 @@ impl Geometry {
     /// For each segment: 1 if something lies on it, 0 if its ends see each other.
     pub fn occluded(&self, segments: Segments, occluded: &mut [u32]) {
         if self.few.triangles.is_empty() {
-            flight::occluded::<IN_FLIGHT>(self.bvh(), segments, occluded);
+            many::occluded(self.bvh(), segments, occluded);
         } else {
             few::occluded(self.few.view(), segments, occluded);
         }

@@ -2,11 +2,13 @@
 
 use super::compiled::Mesh;
 use super::import::Imported;
-use glam::{DAffine3, DVec3};
+use super::import::attributes::decode;
+use glam::{DAffine3, DMat3, DVec3};
+use huygens_kernels::octahedral;
 use rayon::prelude::*;
 
 /// Triangles or vertices that one task handles at least.
-const TASK: usize = 1 << 14;
+pub(super) const TASK: usize = 1 << 14;
 
 /// A growing [`Mesh`].
 #[derive(Debug, Default)]
@@ -19,6 +21,10 @@ pub(super) struct Builder {
 /// Triangles of one material in the space of their shape.
 pub(super) struct Placed<'a> {
     pub(super) vertices: &'a [DVec3],
+    /// Of the vertices, or empty.
+    pub(super) normals: &'a [DVec3],
+    /// Of the vertices, or empty.
+    pub(super) uvs: &'a [[f32; 2]],
     pub(super) triangles: &'a [[u32; 3]],
     pub(super) transform: DAffine3,
     pub(super) material: u32,
@@ -33,6 +39,9 @@ impl Builder {
         let vertices: Vec<[f32; 3]> = shape.vertices.iter().map(place).collect();
         let material = vec![shape.material; shape.triangles.len()];
         let mirrors = mirrors(&shape.transform);
+        let turn = of_normals(&shape.transform);
+        let code = |&n: &DVec3| octahedral::encode((turn * n).to_array());
+        self.attach(shape.normals.iter().map(code).collect(), shape.uvs.to_vec());
         self.take(vertices, shape.triangles.to_vec(), material, mirrors)
     }
 
@@ -51,9 +60,29 @@ impl Builder {
                     let vertex = DVec3::from_array(v.map(f64::from));
                     *v = transform.transform_point3(vertex).as_vec3().to_array();
                 });
+            let turn = of_normals(&transform);
+            let codes = file.normals.par_iter_mut().with_min_len(TASK);
+            codes.filter(|n| **n != octahedral::NONE).for_each(|n| {
+                *n = octahedral::encode((turn * DVec3::from_array(decode(*n))).to_array());
+            });
         }
+        self.attach(file.normals, file.uvs);
         let mirrors = mirrors(&transform);
         self.take(file.vertices, file.triangles, file.material, mirrors)
+    }
+
+    /// Appends what the vertices carry that are appended next; nothing where that is empty.
+    fn attach(&mut self, normals: Vec<u32>, uvs: Vec<[f32; 2]>) {
+        let mesh = &mut self.mesh;
+        let base = mesh.vertices.len();
+        if !normals.is_empty() {
+            mesh.normals.resize(base, Mesh::NO_NORMAL);
+            extend(&mut mesh.normals, normals);
+        }
+        if !uvs.is_empty() {
+            mesh.uvs.resize(base, Mesh::NO_UV);
+            extend(&mut mesh.uvs, uvs);
+        }
     }
 
     fn take(
@@ -93,6 +122,19 @@ impl Builder {
         extend(&mut mesh.material, material);
         Ok(())
     }
+}
+
+/// What normals are multiplied with: the cofactors, which are the inverse's transpose up to a positive
+/// factor where nothing is mirrored, and with the sign of the determinant where it is.
+fn of_normals(transform: &DAffine3) -> DMat3 {
+    let m = &transform.matrix3;
+    let sign = m.determinant().signum();
+    let column = |a: DVec3, b: DVec3| a.cross(b) * sign;
+    DMat3::from_cols(
+        column(m.y_axis, m.z_axis),
+        column(m.z_axis, m.x_axis),
+        column(m.x_axis, m.y_axis),
+    )
 }
 
 fn mirrors(transform: &DAffine3) -> bool {
@@ -144,6 +186,8 @@ mod tests {
         let mut builder = Builder::default();
         let shape = Placed {
             vertices: &vertices,
+            normals: &[DVec3::new(1.0, 0.0, 1.0)],
+            uvs: &[],
             triangles: &[[0, 1, 2]],
             transform: DAffine3::from_scale(DVec3::new(-2.0, 1.0, 1.0)),
             material: 0,
@@ -151,5 +195,8 @@ mod tests {
         builder.append(&shape).unwrap();
         let [a, b, c] = builder.mesh.corners(0).map(glam::Vec3::from_array);
         assert_eq!((b - a).cross(c - a).to_array(), [0.0, 0.0, 2.0]);
+        // A normal leans less where the shape is stretched, and to the other side.
+        let leaning = DVec3::from_array(decode(builder.mesh.normals[0]));
+        assert!((leaning - DVec3::new(-0.5, 0.0, 1.0).normalize()).length() < 1e-4);
     }
 }

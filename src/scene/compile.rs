@@ -17,7 +17,7 @@ use super::surfaces::{Surfaces, bind};
 use super::texture::Store;
 use super::toml::SceneFile;
 use super::values::{NonNegative, OneOrThree};
-use crate::settings::{Integrator, Settings};
+use crate::settings::Settings;
 use glam::DAffine3;
 use std::path::Path;
 
@@ -127,14 +127,14 @@ fn finish(mut scene: Scene) -> Scene {
     scene.mesh.vertices.shrink_to_fit();
     scene.mesh.indices.shrink_to_fit();
     scene.mesh.material.shrink_to_fit();
+    scene.mesh.normals.shrink_to_fit();
+    scene.mesh.uvs.shrink_to_fit();
     if scene.mesh.indices.is_empty() {
         let message = "no shapes: the camera sees nothing but the sky";
         scene.warnings.push(message.to_owned());
     }
-    let needs_light = matches!(
-        scene.settings.integrator,
-        Integrator::Path | Integrator::Direct | Integrator::Reference
-    );
+    scene.warnings.extend(without_coordinates(&scene));
+    let needs_light = scene.settings.integrator.is_transport();
     let sky_shines = scene.sky.as_ref().is_some_and(Sky::shines);
     if needs_light && !sky_shines && scene.lights.is_empty() && !emits(&scene) {
         let message = "no light: neither a sky nor a surface emits, so the image will be black";
@@ -142,6 +142,32 @@ fn finish(mut scene: Scene) -> Scene {
     }
     scene.hash = hash::of(&scene);
     scene
+}
+
+/// Warnings about materials that read images where there are no texture coordinates.
+fn without_coordinates(scene: &Scene) -> Vec<String> {
+    let reads = |m: &Material| m.reads_textures(&scene.materials);
+    let reads: Vec<bool> = scene.materials.iter().map(reads).collect();
+    if !reads.contains(&true) {
+        return Vec::new();
+    }
+    let mesh = &scene.mesh;
+    let lacks = |&v: &u32| mesh.uvs.get(v as usize).is_none_or(|uv| uv[0].is_nan());
+    let mut without = vec![0; scene.materials.len()];
+    for (triangle, &material) in mesh.indices.iter().zip(&mesh.material) {
+        let lacking = reads[material as usize] && triangle.iter().any(lacks);
+        without[material as usize] += usize::from(lacking);
+    }
+    let named = scene.materials.iter().zip(without).filter(|(_, n)| *n > 0);
+    let line = |(m, n): (&Material, usize)| {
+        let has = if n == 1 { "has" } else { "have" };
+        format!(
+            "material `{}` has images, but {n} of the triangles that wear it {has} no texture \
+             coordinates; the image's corner is taken",
+            m.name
+        )
+    };
+    named.map(line).collect()
 }
 
 /// Whether any triangle shines.

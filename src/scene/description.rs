@@ -237,4 +237,8 @@ pub(super) struct Cuboid {
 pub(super) struct InlineMesh {
     pub(super) vertices: Vec<[Finite; 3]>,
     pub(super) faces: Vec<Spanned<Vec<Natural>>>,
+    #[serde(default)]
+    pub(super) normals: Option<Spanned<Vec<[Finite; 3]>>>,
+    #[serde(default)]
+    pub(super) uvs: Option<Spanned<Vec<[Finite; 2]>>>,
 }

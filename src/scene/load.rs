@@ -12,6 +12,7 @@ use super::shapes::Shapes;
 use super::surfaces::{self, Surfaces};
 use super::texture::Store;
 use super::toml::SceneFile;
+use super::unsupported::stand_in;
 use crate::settings::Preset;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -143,8 +144,9 @@ impl Source {
 
     /// Vertices and triangles that the compiled scene will have, by the headers of its files and a
     /// look through those that have none, without keeping anything: exact, but for vertices that no
-    /// triangle uses and triangles of zero area, which loading leaves out, and for polygons of PLY
-    /// files with further lists, of which it is an upper bound.
+    /// triangle uses and triangles of zero area, which loading leaves out; for vertices that are split
+    /// where corners of an OBJ file disagree about normals or texture coordinates, which are not
+    /// foreseen; and for polygons of PLY files with further lists, of which it is an upper bound.
     ///
     /// # Errors
     /// A file that cannot be read, or a header that is wrong.
@@ -177,9 +179,12 @@ impl Source {
         let load = |file: &GeometryFile| file.format.load(&file.path, read);
         let loaded: Vec<Result<Imported, SceneError>> = self.files.par_iter().map(load).collect();
         let mut imported = loaded.into_iter().collect::<Result<Vec<_>, _>>()?;
+        for (imported, file) in imported.iter_mut().zip(&self.files) {
+            stand_in(imported, &file.path);
+        }
         let own = self.native.iter().flat_map(|n| &n.surfaces.wanted);
         let own = own.map(|wanted| &wanted.request);
-        let wanted = own.chain(imported.iter().flat_map(|i| &i.textures));
+        let wanted = own.chain(imported.iter().flat_map(Imported::wanted));
         let mut store = Store::load(wanted);
         for imported in &mut imported {
             surfaces::bind_imported(imported, &mut store);

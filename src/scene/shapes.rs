@@ -5,10 +5,11 @@ use super::description::{Cuboid, InlineMesh, Rectangle, Shape};
 use super::error::SceneError;
 use super::import::{Imported, mtl};
 use super::load::GeometryFile;
-use super::material::Material;
+use super::material::{Bsdf, Material};
 use super::toml::{SceneFile, suggest};
 use super::transform::vector;
 use super::triangulate::triangulate;
+use super::values::Finite;
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -98,18 +99,20 @@ impl<'a> Shapes<'a> {
     pub(super) fn add(&mut self, shape: &Spanned<Shape>) -> Result<(), SceneError> {
         let (span, shape) = (shape.span(), shape.get_ref());
         let transform = self.transform(shape)?;
-        if let Some(rectangle) = &shape.rectangle {
-            let corners = rectangle_corners(rectangle);
-            self.add_inline(shape, span, transform, &corners, &[[0, 1, 2], [0, 2, 3]])
+        let textured = shape.material.as_ref().is_some_and(|name| {
+            let material = self.named.get(name.get_ref());
+            material.is_some_and(|&m| self.materials[m as usize].reads_textures(&self.materials))
+        });
+        let drawn = if let Some(rectangle) = &shape.rectangle {
+            Drawn::rectangle(rectangle, textured)
         } else if let Some(cuboid) = &shape.cuboid {
-            let (corners, triangles) = self.cuboid(cuboid)?;
-            self.add_inline(shape, span, transform, &corners, &triangles)
+            self.cuboid(cuboid, textured)?
         } else if let Some(mesh) = &shape.mesh {
-            let (corners, triangles) = self.inline_mesh(mesh)?;
-            self.add_inline(shape, span, transform, &corners, &triangles)
+            self.inline_mesh(mesh)?
         } else {
-            self.add_file(shape, span, transform)
-        }
+            return self.add_file(shape, span, transform);
+        };
+        self.add_inline(shape, span, transform, &drawn)
     }
 
     fn transform(&self, shape: &Shape) -> Result<DAffine3, SceneError> {
@@ -127,8 +130,7 @@ impl<'a> Shapes<'a> {
         shape: &Shape,
         span: Range<usize>,
         transform: DAffine3,
-        corners: &[DVec3],
-        triangles: &[[u32; 3]],
+        drawn: &Drawn,
     ) -> Result<(), SceneError> {
         let material = match &shape.material {
             Some(name) => self.lookup(name)?,
@@ -138,8 +140,10 @@ impl<'a> Shapes<'a> {
             }),
         };
         let placed = Placed {
-            vertices: corners,
-            triangles,
+            vertices: &drawn.vertices,
+            normals: &drawn.normals,
+            uvs: &drawn.uvs,
+            triangles: &drawn.triangles,
             transform,
             material,
         };
@@ -187,7 +191,8 @@ impl<'a> Shapes<'a> {
             used,
         } = &mut self.loaded[place];
         self.warnings.append(&mut imported.warnings);
-        // Every material of a file is worn by some triangle of it.
+        // Every material of a file is worn by some triangle of it, or part of one that is.
+        let before = self.materials.len();
         let table: Vec<u32> = imported
             .materials
             .iter()
@@ -202,6 +207,12 @@ impl<'a> Shapes<'a> {
                 })
             })
             .collect();
+        for material in &mut self.materials[before..] {
+            if let Bsdf::Mix { first, second, .. } = &mut material.bsdf {
+                *first = table[*first as usize];
+                *second = table[*second as usize];
+            }
+        }
         *uses -= 1;
         let mut geometry = if *uses == 0 {
             Imported {
@@ -230,7 +241,7 @@ impl<'a> Shapes<'a> {
         })
     }
 
-    fn cuboid(&self, cuboid: &Spanned<Cuboid>) -> Result<Triangles, SceneError> {
+    fn cuboid(&self, cuboid: &Spanned<Cuboid>, textured: bool) -> Result<Drawn, SceneError> {
         let (span, cuboid) = (cuboid.span(), cuboid.get_ref());
         let (low, high) = (vector(cuboid.min), vector(cuboid.max));
         if !low.cmplt(high).all() {
@@ -250,15 +261,26 @@ impl<'a> Shapes<'a> {
             [0, 2, 3, 1],
             [4, 5, 7, 6],
         ];
-        let mut triangles = Vec::with_capacity(12);
-        for [a, b, c, d] in quads {
-            let (b, d) = if cuboid.inward { (d, b) } else { (b, d) };
-            triangles.extend([[a, b, c], [a, c, d]]);
+        let mut drawn = Drawn::default();
+        if !textured {
+            drawn.vertices = (0..8).map(corner).collect();
         }
-        Ok(((0..8).map(corner).collect(), triangles))
+        for (face, [a, b, c, d]) in (0..).zip(quads) {
+            let [a, b, c, d] = if textured {
+                // Each face has the whole image, seen from its front.
+                drawn.vertices.extend([a, b, c, d].map(corner));
+                drawn.uvs.extend(SQUARE);
+                [0, 1, 2, 3].map(|i| 4 * face + i)
+            } else {
+                [a, b, c, d]
+            };
+            let (b, d) = if cuboid.inward { (d, b) } else { (b, d) };
+            drawn.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+        Ok(drawn)
     }
 
-    fn inline_mesh(&self, mesh: &Spanned<InlineMesh>) -> Result<Triangles, SceneError> {
+    fn inline_mesh(&self, mesh: &Spanned<InlineMesh>) -> Result<Drawn, SceneError> {
         let (span, mesh) = (mesh.span(), mesh.get_ref());
         let vertices: Vec<DVec3> = mesh.vertices.iter().map(|&v| vector(v)).collect();
         if mesh.faces.is_empty() {
@@ -285,15 +307,59 @@ impl<'a> Shapes<'a> {
             triangulate(&corners, &mut cut);
             triangles.extend(cut.iter().map(|t| t.map(|i| indices[i as usize].0)));
         }
-        Ok((vertices, triangles))
+        let count = vertices.len();
+        let whole = |what: &str, found: usize, span: Range<usize>| {
+            let message =
+                format!("has {found} {what}, expected one for each of its {count} vertices");
+            (found == count)
+                .then_some(())
+                .ok_or_else(|| self.file.error(span, message))
+        };
+        let (mut normals, mut uvs) = (Vec::new(), Vec::new());
+        if let Some(said) = &mesh.normals {
+            whole("normals", said.get_ref().len(), said.span())?;
+            normals = said.get_ref().iter().map(|&n| vector(n)).collect();
+        }
+        if let Some(said) = &mesh.uvs {
+            whole("uvs", said.get_ref().len(), said.span())?;
+            let uv = |uv: &[Finite; 2]| uv.map(|x| x.0 as f32);
+            uvs = said.get_ref().iter().map(uv).collect();
+        }
+        Ok(Drawn {
+            vertices,
+            triangles,
+            normals,
+            uvs,
+        })
     }
 }
 
-type Triangles = (Vec<DVec3>, Vec<[u32; 3]>);
+/// Texture coordinates around a square.
+const SQUARE: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 
-/// Corners in order around the rectangle.
-fn rectangle_corners(rectangle: &Rectangle) -> [DVec3; 4] {
-    let corner = vector(rectangle.corner);
-    let [a, b] = rectangle.edges.map(vector);
-    [corner, corner + a, corner + a + b, corner + b]
+/// A shape that the scene file itself describes.
+#[derive(Default)]
+struct Drawn {
+    vertices: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+    normals: Vec<DVec3>,
+    uvs: Vec<[f32; 2]>,
+}
+
+impl Drawn {
+    /// Its (u, v) run along the first and the second edge.
+    fn rectangle(rectangle: &Rectangle, textured: bool) -> Self {
+        let corner = vector(rectangle.corner);
+        let [a, b] = rectangle.edges.map(vector);
+        Self {
+            vertices: vec![corner, corner + a, corner + a + b, corner + b],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            uvs: if textured {
+                SQUARE.to_vec()
+            } else {
+                Vec::new()
+            },
+            ..Self::default()
+        }
+    }
 }

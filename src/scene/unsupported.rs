@@ -1,7 +1,10 @@
-//! What scenes may say that no kernel can render yet. Entries leave this list as kernels arrive.
+//! What scenes may say that no kernel can render yet. Entries leave this list as kernels arrive: a
+//! native scene that asks for one is refused; a material of an MTL file goes without it, with a
+//! warning.
 
 use super::compiled::Scene;
-use super::material::{Bsdf, Material};
+use super::import::Imported;
+use super::material::Material;
 
 impl Scene {
     /// Why the scene cannot be rendered as it is meant, if so: what the first surface to blame asks
@@ -23,13 +26,47 @@ impl Scene {
     }
 }
 
-fn lacking(material: &Material) -> Option<&'static str> {
-    let kind = match &material.bsdf {
-        Bsdf::Diffuse { reflectance, .. } => reflectance.texture.map(|_| "a textured `albedo`"),
-        _ => None,
-    };
-    let emission = material.emission.texture.map(|_| "a textured `emission`");
-    let alpha = material.alpha.map(|_| "`alpha`");
-    let relief = material.normal_map.map(|_| "a normal or bump map");
-    kind.or(emission).or(alpha).or(relief)
+/// What a material asks for and no kernel can do: an opacity, images.
+fn lacking(material: &Material) -> Option<String> {
+    let alpha = material.alpha.map(|_| "`alpha`".to_owned());
+    alpha.or_else(|| {
+        let mut copy = material.clone();
+        let slots = copy.textures_mut();
+        slots
+            .first()
+            .map(|slot| format!("a textured {}", slot.what()))
+    })
+}
+
+/// Takes away what a file of geometry asks for and cannot be rendered yet.
+pub(super) fn stand_in(imported: &mut Imported, file: &std::path::Path) {
+    let mut removed: Vec<(String, Vec<String>)> = Vec::new();
+    for material in &mut imported.materials {
+        let mut lacks = Vec::new();
+        if material.alpha.take().is_some() {
+            lacks.push("opacity");
+        }
+        for mut slot in material.textures_mut() {
+            lacks.push(slot.what());
+            slot.remove();
+        }
+        for what in lacks {
+            let name = material.name.clone();
+            match removed.iter_mut().find(|(known, _)| known == what) {
+                Some((_, names)) => names.push(name),
+                None => removed.push((what.to_owned(), vec![name])),
+            }
+        }
+    }
+    for (what, names) in removed {
+        let more = match names.len() {
+            1 => String::new(),
+            n => format!(" and {} more", n - 1),
+        };
+        imported.warnings.push(format!(
+            "{}: images of {what} cannot be rendered yet; left out (material `{}`{more})",
+            file.display(),
+            names[0]
+        ));
+    }
 }

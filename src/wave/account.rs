@@ -22,6 +22,7 @@ pub(crate) enum Stage {
     Sort,
     Sky,
     Emission,
+    Branch,
     Interact,
     Light,
     Scatter(Shader),
@@ -31,7 +32,7 @@ pub(crate) enum Stage {
 }
 
 impl Stage {
-    const COUNT: usize = 10 + Shader::ALL.len();
+    const COUNT: usize = 11 + Shader::ALL.len();
 
     /// All stages.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
@@ -41,6 +42,7 @@ impl Stage {
             Self::Sort,
             Self::Sky,
             Self::Emission,
+            Self::Branch,
             Self::Interact,
             Self::Light,
         ];
@@ -59,9 +61,10 @@ impl Stage {
             Self::Sort => 2,
             Self::Sky => 3,
             Self::Emission => 4,
-            Self::Interact => 5,
-            Self::Light => 6,
-            Self::Scatter(shader) => 7 + shader as usize,
+            Self::Branch => 5,
+            Self::Interact => 6,
+            Self::Light => 7,
+            Self::Scatter(shader) => 8 + shader as usize,
             Self::Occlude => Self::COUNT - 3,
             Self::Roulette => Self::COUNT - 2,
             Self::Film => Self::COUNT - 1,
@@ -75,6 +78,7 @@ impl Stage {
             Self::Sort => "sort",
             Self::Sky => "shade: sky",
             Self::Emission => "shade: emission",
+            Self::Branch => "branch",
             Self::Interact => "interact",
             Self::Light => "sample lights",
             Self::Scatter(shader) => shader.stage(),

@@ -2,22 +2,23 @@
 //!
 //! In: the job. Out: paths, appended behind those already under way.
 
+use super::branch::Slots;
 use super::queue::Queue;
 use super::sampling::{AnySampler, with_sampler};
-use crate::film::Job;
 use huygens_kernels::camera::{Lens, Window, camera_rays};
 use huygens_kernels::queues::PathsMut;
+use std::ops::Range;
 
 /// A job's camera samples that have not been started yet.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Source {
     window: Window,
-    next: usize,
-    slots: usize,
+    slots: Range<usize>,
 }
 
 impl Source {
-    pub(crate) fn new(job: &Job) -> Self {
+    pub(crate) fn new(slots: Slots) -> Self {
+        let job = slots.job();
         Self {
             window: Window {
                 x: job.tile.x,
@@ -26,8 +27,7 @@ impl Source {
                 first_sample: job.first_sample,
                 samples: job.samples,
             },
-            next: 0,
-            slots: job.slots(),
+            slots: slots.samples(),
         }
     }
 
@@ -37,16 +37,18 @@ impl Source {
         lens: &Lens,
         sampler: AnySampler,
         paths: &mut Queue<PathsMut<'static>>,
+        names: Slots,
     ) -> usize {
-        let n = paths.room().min(self.slots - self.next);
+        let n = paths.room().min(self.slots.len());
         if n > 0 {
             let at = paths.len();
-            let slots = self.next..self.next + n;
+            let slots = self.slots.start..self.slots.start + n;
             with_sampler!(sampler, sampler => camera_rays(
                 lens, self.window, slots, sampler, &mut paths.view_mut(), at
             ));
             paths.set_len(at + n);
-            self.next += n;
+            names.rename(&mut paths.view_mut().slot[at..at + n]);
+            self.slots.start += n;
         }
         n
     }

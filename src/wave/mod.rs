@@ -7,6 +7,7 @@
 //! ```
 
 mod account;
+mod branch;
 mod camera;
 mod control;
 mod counters;
@@ -44,6 +45,7 @@ pub use stats::{BounceStats, Dropped, RenderStats, StageStats};
 
 use crate::film::{Job, SampleBuffer};
 use account::Account;
+use branch::{Branches, Slots};
 use generate::Source;
 use huygens_kernels::compact::Kept;
 use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
@@ -62,6 +64,8 @@ struct Wave<'a> {
     lists: Lists,
     /// Where some surfaces are more than plain diffuse ones.
     surfaces: Option<Surfaces>,
+    /// Where paths branch.
+    branches: Option<Branches>,
     scattered: Queue<PathsMut<'static>>,
     shadows: Queue<ShadowsMut<'static>>,
     occlusion: Queue<OcclusionMut<'static>>,
@@ -81,6 +85,7 @@ impl<'a> Wave<'a> {
             hits: Queue::new(capacity),
             lists: Lists::new(setup),
             surfaces: setup.surfaces(),
+            branches: setup.branches(),
             scattered: Queue::new(capacity),
             shadows: Queue::new(shadows),
             occlusion: Queue::new(shadows),
@@ -96,6 +101,7 @@ impl<'a> Wave<'a> {
         queues.extend(QueuePlan::of("paths", &self.paths));
         queues.extend(QueuePlan::of("hits", &self.hits));
         queues.extend(self.lists.queues(self.setup));
+        queues.extend(self.branches.iter().flat_map(Branches::queues));
         queues.extend(self.surfaces.iter().flat_map(Surfaces::queues));
         queues.extend(QueuePlan::of("scattered", &self.scattered));
         queues.extend(QueuePlan::of("shadows", &self.shadows));
@@ -104,27 +110,62 @@ impl<'a> Wave<'a> {
     }
 }
 
-impl scheduler::Worker for Wave<'_> {
+impl Wave<'_> {
     /// The loop. It runs while any path is under way; no stage knows which bounce it is at.
-    fn trace(&mut self, job: &Job, samples: &mut SampleBuffer, stop: &AtomicBool) -> bool {
-        let mut source = Source::new(job);
+    fn follow(&mut self, slots: Slots, samples: &mut SampleBuffer, stop: &AtomicBool) -> bool {
+        let mut source = Source::new(slots);
         self.paths.set_len(0);
         loop {
-            self.generate(&mut source);
-            if self.paths.len() == 0 {
+            self.generate(&mut source, slots);
+            if self.paths.len() == 0 && !self.waits() {
                 return true;
             }
             if stop.load(Ordering::Relaxed) {
                 return false;
             }
-            self.intersect(job);
+            self.rays += self.paths.len() as u64;
+            self.intersect(slots);
             self.sort();
-            self.emit(job, samples);
-            self.scatter(job, samples);
-            self.rays += (self.paths.len() + self.shadows.len()) as u64;
-            self.occlude(job, samples);
-            self.roulette(job);
+            self.emit(slots, samples);
+            self.branch();
+            self.scatter(slots, samples);
+            self.rays += self.shadows.len() as u64;
+            self.occlude(slots, samples);
+            self.roulette(slots);
         }
+    }
+
+    /// Whether paths wait to branch.
+    fn waits(&self) -> bool {
+        self.branches.as_ref().is_some_and(Branches::wait)
+    }
+}
+
+impl scheduler::Worker for Wave<'_> {
+    fn trace(&mut self, job: &Job, samples: &mut SampleBuffer, stop: &AtomicBool) -> bool {
+        let Some((step, each)) = self
+            .branches
+            .as_ref()
+            .map(|b| (b.samples_at_a_time(), b.leaves()))
+        else {
+            return self.follow(Slots::new(job, 0..job.slots(), 1), samples, stop);
+        };
+        // Slots of branches are many: some camera samples at a time.
+        for first in (0..job.slots()).step_by(step) {
+            let some = first..(first + step).min(job.slots());
+            let branches = self.branches.as_mut();
+            let mut light = branches.map_or_else(SampleBuffer::default, |b| b.lend(some.len()));
+            let whole = self.follow(Slots::new(job, some.clone(), each), &mut light, stop);
+            if let Some(branches) = &mut self.branches {
+                branches.add_up(light, some, samples);
+            }
+            if !whole {
+                // What waits is of no use, and nothing may wait when the next job starts.
+                self.branches = self.setup.branches();
+                return false;
+            }
+        }
+        true
     }
 
     fn rays(&mut self) -> u64 {

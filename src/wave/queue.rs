@@ -78,6 +78,22 @@ impl<L: Layout> Queue<L> {
         L::view_mut(bytemuck::cast_slice_mut(&mut self.lines).chunks_exact_mut(self.stride))
     }
 
+    /// Appends items of `from`, by index, all columns at a time.
+    pub(crate) fn append_rows(&mut self, from: &Self, rows: &[u32]) {
+        let start = self.len;
+        self.set_len(start + rows.len());
+        let source: &[u32] = bytemuck::cast_slice(&from.lines);
+        let target: &mut [u32] = bytemuck::cast_slice_mut(&mut self.lines);
+        let columns = source
+            .chunks_exact(from.stride)
+            .zip(target.chunks_exact_mut(self.stride));
+        for (source, target) in columns {
+            for (to, &row) in target[start..].iter_mut().zip(rows) {
+                *to = source[row as usize];
+            }
+        }
+    }
+
     /// Appends the lanes `kept` of each of `from`'s vectors, in order: compaction, all columns at a
     /// time. `kept[i]` is for items `LANES * i ..`.
     pub(crate) fn append_kept(&mut self, from: &Self, kept: &[Kept]) {

@@ -2,6 +2,7 @@
 //! their queues hold what a real scene puts there and not noise.
 
 use super::Wave;
+use super::branch::Slots;
 use super::generate::Source;
 use super::instruments::Instruments;
 use super::setup::Setup;
@@ -65,23 +66,28 @@ pub fn recorded<T>(
         job,
         samples: SampleBuffer::new(job.slots()),
     };
-    let mut source = Source::new(&job);
+    let mut source = Source::new(slots(&job));
     for turn in 0..=turns {
         let Recorded {
             wave, samples, job, ..
         } = &mut recorded;
-        wave.generate(&mut source);
+        wave.generate(&mut source, slots(job));
         assert!(wave.paths.room() == 0, "the job keeps the wave full");
-        wave.intersect(job);
+        wave.intersect(slots(job));
         wave.sort();
-        wave.emit(job, samples);
-        wave.scatter(job, samples);
-        wave.occlude(job, samples);
+        wave.emit(slots(job), samples);
+        wave.scatter(slots(job), samples);
+        wave.occlude(slots(job), samples);
         if turn < turns {
-            wave.roulette(job);
+            wave.roulette(slots(job));
         }
     }
     with(recorded)
+}
+
+/// All slots of a job, one a camera sample.
+fn slots(job: &Job) -> Slots<'_> {
+    Slots::new(job, 0..job.slots(), 1)
 }
 
 impl Recorded<'_> {
@@ -100,11 +106,11 @@ impl Recorded<'_> {
         match stage {
             "generate" => {
                 other.paths.set_len(0);
-                other.generate(&mut Source::new(job));
+                other.generate(&mut Source::new(slots(job)), slots(job));
                 other.paths.len()
             }
             "intersect" => {
-                wave.intersect(job);
+                wave.intersect(slots(job));
                 wave.paths.len()
             }
             "sort" => {
@@ -112,20 +118,20 @@ impl Recorded<'_> {
                 wave.paths.len()
             }
             "emit" => {
-                wave.emit(job, samples);
+                wave.emit(slots(job), samples);
                 wave.lists.sky.len() + wave.lists.emission.len()
             }
             "scatter" => {
-                wave.scatter(job, samples);
+                wave.scatter(slots(job), samples);
                 wave.scattered.len()
             }
             "occlude" => {
-                wave.occlude(job, samples);
+                wave.occlude(slots(job), samples);
                 wave.shadows.len()
             }
             "roulette" => {
                 other.scattered.copy_from(&wave.scattered);
-                other.roulette(job);
+                other.roulette(slots(job));
                 wave.scattered.len()
             }
             _ => panic!("no stage {stage}: there are {RECORDED_STAGES:?}"),

@@ -18,7 +18,9 @@ pub(crate) enum AnySampler {
 
 impl AnySampler {
     pub(crate) fn new(settings: &Settings) -> Self {
-        let (seed, spp) = (settings.seed, settings.spp);
+        // Branches go on as samples of their own.
+        let branches = settings.split.iter().product::<u32>();
+        let (seed, spp) = (settings.seed, settings.spp.saturating_mul(branches));
         match settings.sampler {
             settings::Sampler::Independent => Self::Independent(Independent { seed }),
             settings::Sampler::Stratified => Self::Stratified(Stratified::new(seed, spp)),

@@ -1,6 +1,7 @@
 //! What all workers of a render share: the scene as tables, and the stages' settings.
 
 use super::account::Stage;
+use super::branch::{self, Branches};
 use super::camera;
 use super::mixtures::Mixtures;
 use super::sampling::AnySampler;
@@ -11,9 +12,9 @@ use super::tables::{self, SceneTables};
 use crate::effects::{Effects, Shader};
 use crate::geometry::Geometry;
 use crate::scene::Scene;
-use crate::settings::Settings;
+use crate::settings::{Integrator, Settings};
 use huygens_kernels::camera::Lens;
-use huygens_kernels::roulette::Rules;
+use huygens_kernels::roulette::{GAINS, Rules};
 use huygens_kernels::tables::Tables;
 
 /// The wave, as assembled for one render.
@@ -32,6 +33,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) wanted: Wanted,
     pub(crate) rules: Rules,
     pub(crate) capacity: usize,
+    /// Branches of a path, by scattering event; none of paths that never branch.
+    pub(crate) split: Vec<u32>,
 }
 
 impl<'a> Setup<'a> {
@@ -56,6 +59,11 @@ impl<'a> Setup<'a> {
         } else {
             1
         };
+        let mut split = settings.split.clone();
+        split.truncate(usize::try_from(limit).unwrap_or(usize::MAX));
+        if !program.is_transport() || branch::leaves(&split) == 1 {
+            split.clear();
+        }
         let used = |s: &Shader| *s != Shader::Mix && effects.shaders.contains(s);
         let shaders: Vec<Shader> = Shader::ALL.into_iter().filter(used).collect();
         let list = |s: &Shader| shaders.iter().position(|t| t == s).unwrap_or(0) as u8;
@@ -82,13 +90,23 @@ impl<'a> Setup<'a> {
             wanted: program.wanted(effects),
             rules: Rules {
                 random: settings.roulette,
-                gain: settings.survival,
+                gain: survival(settings.survival, &split),
                 limit,
+                mirrors_only: settings.integrator == Integrator::Whitted,
                 last_ray: program.last_ray_is_of_use(),
             },
             capacity: settings.wave.max(1),
+            split,
         }
     }
+}
+
+/// The gain of the roulette at each vertex: a branch is as likely to go on as the path would be alone.
+fn survival(usual: f32, split: &[u32]) -> [f32; GAINS] {
+    std::array::from_fn(|vertex| {
+        let above = &split[..split.len().min(vertex + 1)];
+        usual * branch::leaves(above) as f32
+    })
 }
 
 impl Setup<'_> {
@@ -104,6 +122,7 @@ impl Setup<'_> {
             Stage::Light => elaborate.any(|&s| self.lights(s)),
             Stage::Scatter(shader) => self.shaders.contains(&shader),
             Stage::Occlude => self.casts_shadows(),
+            Stage::Branch => !self.split.is_empty(),
             Stage::Roulette => transport,
         }
     }
@@ -118,9 +137,20 @@ impl Setup<'_> {
         self.program.samples_lights() || matches!(self.program, Program::Ambient { .. })
     }
 
+    /// The queues for paths that wait to branch, if any do.
+    pub(crate) fn branches(&self) -> Option<Branches> {
+        self.runs(Stage::Branch)
+            .then(|| Branches::new(&self.split, self.capacity))
+    }
+
     /// The queues for surfaces that are more than plain diffuse ones, if there are any.
     pub(crate) fn surfaces(&self) -> Option<Surfaces> {
-        self.runs(Stage::Interact)
-            .then(|| Surfaces::new(self.capacity, self.runs(Stage::Light)))
+        self.runs(Stage::Interact).then(|| {
+            Surfaces::new(
+                self.capacity,
+                self.runs(Stage::Light),
+                self.tables.attributes.is_some(),
+            )
+        })
     }
 }

@@ -44,6 +44,11 @@ impl Program {
         ao_distance: f32,
     ) -> Self {
         match integrator {
+            Integrator::Whitted if has_lights => Self::Light,
+            Integrator::Whitted => Self::Blind {
+                uniform: false,
+                delta: false,
+            },
             Integrator::Path | Integrator::Direct | Integrator::Reference => match strategy {
                 Strategy::Uniform | Strategy::Cosine => Self::Blind {
                     uniform: strategy == Strategy::Uniform,

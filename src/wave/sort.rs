@@ -58,6 +58,11 @@ impl IndexList {
         }
     }
 
+    /// The indices, without padding.
+    pub(crate) fn indices(&self) -> &[u32] {
+        &self.indices[..self.len]
+    }
+
     fn clear(&mut self) {
         self.len = 0;
         self.tally = Tally::default();
@@ -100,6 +105,15 @@ pub(crate) struct Wanted {
     /// Whether only light that next-event estimation cannot have found is looked at: along rays of
     /// infinite pdf.
     pub(crate) unsampled_only: bool,
+}
+
+impl Wanted {
+    /// Surfaces alone.
+    pub(crate) const SURFACES: Self = Self {
+        sky: false,
+        emission: false,
+        unsampled_only: false,
+    };
 }
 
 /// Where a material's surfaces go.
@@ -196,8 +210,15 @@ impl Lists {
     }
 
     /// Sorts the first `n` paths.
-    pub(crate) fn sort(&mut self, n: usize, paths: Paths, hits: PathHits, setup: &Setup) {
-        let (wanted, routes) = (setup.wanted, &setup.routes);
+    pub(crate) fn sort(
+        &mut self,
+        n: usize,
+        paths: Paths,
+        hits: PathHits,
+        setup: &Setup,
+        wanted: Wanted,
+    ) {
+        let routes = &setup.routes;
         let material = setup.tables.triangles.material;
         self.all().for_each(IndexList::clear);
         for_each_run(&paths.bounces[..n], |bounce, run| {

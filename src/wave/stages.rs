@@ -1,14 +1,16 @@
 //! The stages of the loop: each runs its kernel over the wave's queues and books what it did.
 
 use super::account::Stage;
+use super::branch::{Met, Slots};
 use super::generate::Source;
+use super::sort::Wanted;
 use super::tally::Tally;
 use super::{Wave, intersect, roulette, shade, sort};
 use crate::effects::Shader;
-use crate::film::{Job, SampleBuffer};
+use crate::film::SampleBuffer;
 use huygens_kernels::cost::{Cost, item};
 use huygens_kernels::emission::{SKY, SURFACE, UNOCCLUDED};
-use huygens_kernels::queues::PathsMut;
+use huygens_kernels::queues::{PathHitsMut, PathsMut};
 use huygens_kernels::rays::{CLOSEST, OCCLUSION};
 use huygens_kernels::scatter::interact::INTERACT;
 use huygens_kernels::scatter::light_up::LIGHT_UP;
@@ -16,9 +18,13 @@ use huygens_kernels::scatter::{Out, plain, respond};
 use huygens_kernels::{camera, roulette as roulette_kernel};
 
 impl Wave<'_> {
-    pub(super) fn generate(&mut self, source: &mut Source) {
+    /// Starts camera rays where there is room, unless paths wait to branch.
+    pub(super) fn generate(&mut self, source: &mut Source, slots: Slots) {
+        if self.waits() {
+            return;
+        }
         let setup = self.setup;
-        let new = source.refill(&setup.lens, setup.sampler, &mut self.paths);
+        let new = source.refill(&setup.lens, setup.sampler, &mut self.paths, slots);
         if new > 0 {
             let mut out = Tally::default();
             out.add(0, new);
@@ -28,14 +34,14 @@ impl Wave<'_> {
         }
     }
 
-    pub(super) fn intersect(&mut self, job: &Job) {
+    pub(super) fn intersect(&mut self, slots: Slots) {
         let account = &mut self.account;
         intersect::intersect(
             self.setup.geometry,
             &mut self.paths,
             &mut self.hits,
             |slot| {
-                account.lose_ray(Stage::Intersect.name(), job.sample_of(slot));
+                account.lose_ray(Stage::Intersect.name(), slots.sample_of(slot));
             },
         );
         let n = self.paths.len();
@@ -46,7 +52,7 @@ impl Wave<'_> {
     pub(super) fn sort(&mut self) {
         let (setup, n) = (self.setup, self.paths.len());
         let (paths, hits) = (self.paths.view(), self.hits.view());
-        self.lists.sort(n, paths, hits, setup);
+        self.lists.sort(n, paths, hits, setup, setup.wanted);
         let listed = self.lists.tally();
         let cost = sort::READ * n + sort::WRITTEN * listed.total();
         let sorted = Tally::of(&paths.bounces[..n], 0);
@@ -54,7 +60,7 @@ impl Wave<'_> {
     }
 
     /// Adds the light that paths find by themselves.
-    pub(super) fn emit(&mut self, job: &Job, samples: &mut SampleBuffer) {
+    pub(super) fn emit(&mut self, slots: Slots, samples: &mut SampleBuffer) {
         let (program, tables) = (self.setup.program, &self.setup.tables);
         let (paths, hits) = (self.paths.view(), self.hits.view());
         let account = &mut self.account;
@@ -62,22 +68,45 @@ impl Wave<'_> {
         let list = &self.lists.sky;
         if list.len() > 0 {
             shade::sky(program, list.of(paths, hits), tables, samples, |slot| {
-                account.drop_sample(Stage::Sky.name(), job.sample_of(slot));
+                account.drop_sample(Stage::Sky.name(), slots.sample_of(slot));
             });
             account.book(Stage::Sky, &list.tally, &nothing, SKY * list.len());
         }
         let list = &self.lists.emission;
         if list.len() > 0 {
             shade::emission(program, list.of(paths, hits), tables, samples, |slot| {
-                account.drop_sample(Stage::Emission.name(), job.sample_of(slot));
+                account.drop_sample(Stage::Emission.name(), slots.sample_of(slot));
             });
             let cost = SURFACE * list.len();
             account.book(Stage::Emission, &list.tally, &nothing, cost);
         }
     }
 
+    /// Puts the next branches in the place of the paths at surfaces.
+    pub(super) fn branch(&mut self) {
+        let Some(branches) = &mut self.branches else {
+            return;
+        };
+        let (setup, account) = (self.setup, &mut self.account);
+        let scatter = self.lists.scatter.iter().map(|list| list.len());
+        let arrived: usize = scatter.sum();
+        let met = Met {
+            paths: &mut self.paths,
+            hits: &mut self.hits,
+        };
+        branches.exchange(&self.lists, met);
+        let (paths, hits) = (self.paths.view(), self.hits.view());
+        let n = self.paths.len();
+        self.lists.sort(n, paths, hits, setup, Wanted::SURFACES);
+        let gone = Tally::of(&paths.bounces[..n], 0);
+        let row = item::<PathsMut<'static>>() + item::<PathHitsMut<'static>>();
+        // To wait, and from there.
+        let cost = Cost::new(row, row) * (arrived + n);
+        account.book(Stage::Branch, &gone, &gone, cost);
+    }
+
     /// Scatters paths and casts occlusion rays, one shader after the other.
-    pub(super) fn scatter(&mut self, job: &Job, samples: &mut SampleBuffer) {
+    pub(super) fn scatter(&mut self, slots: Slots, samples: &mut SampleBuffer) {
         let setup = self.setup;
         let (program, tables, sampler) = (setup.program, &setup.tables, setup.sampler);
         let (paths, hits) = (self.paths.view(), self.hits.view());
@@ -119,7 +148,7 @@ impl Wave<'_> {
                         &mut out,
                         samples,
                         |slot| {
-                            account.drop_sample(stage.name(), job.sample_of(slot));
+                            account.drop_sample(stage.name(), slots.sample_of(slot));
                         },
                     );
                     [plain::SCATTER, plain::SHADOW]
@@ -135,7 +164,7 @@ impl Wave<'_> {
         self.shadows.set_len(cast);
     }
 
-    pub(super) fn occlude(&mut self, job: &Job, samples: &mut SampleBuffer) {
+    pub(super) fn occlude(&mut self, slots: Slots, samples: &mut SampleBuffer) {
         let n = self.shadows.len();
         if n == 0 {
             return;
@@ -148,17 +177,17 @@ impl Wave<'_> {
             &mut self.occlusion,
             samples,
             |slot| lost.push(slot),
-            |slot| account.drop_sample(Stage::Occlude.name(), job.sample_of(slot)),
+            |slot| account.drop_sample(Stage::Occlude.name(), slots.sample_of(slot)),
         );
         for slot in lost {
-            account.lose_ray(Stage::Occlude.name(), job.sample_of(slot));
+            account.lose_ray(Stage::Occlude.name(), slots.sample_of(slot));
         }
         let cast = Tally::of(&self.shadows.view().bounces[..n], 0);
         let cost = (OCCLUSION + UNOCCLUDED) * n;
         account.book(Stage::Occlude, &cast, &Tally::default(), cost);
     }
 
-    pub(super) fn roulette(&mut self, job: &Job) {
+    pub(super) fn roulette(&mut self, slots: Slots) {
         let (setup, account) = (self.setup, &mut self.account);
         let scattered = &mut self.scattered;
         roulette::run(
@@ -167,7 +196,7 @@ impl Wave<'_> {
             scattered,
             &mut self.kept,
             &mut self.paths,
-            |slot| account.drop_sample(Stage::Roulette.name(), job.sample_of(slot)),
+            |slot| account.drop_sample(Stage::Roulette.name(), slots.sample_of(slot)),
         );
         let (n, survivors) = (self.scattered.len(), self.paths.len());
         if n == 0 {

@@ -62,7 +62,26 @@ impl RenderStats {
                 None => self.stages.push(stage),
             }
         }
-        self.dropped.extend(other.dropped);
+        for (all, more) in [
+            (&mut self.dropped, other.dropped),
+            (&mut self.untraceable, other.untraceable),
+        ] {
+            for loss in more {
+                match all.iter_mut().find(|d| d.stage == loss.stage) {
+                    Some(known) => known.count += loss.count,
+                    None => all.push(loss),
+                }
+            }
+        }
+    }
+
+    /// Adds a render that followed on the same film under the same control, which counts the samples
+    /// of both.
+    pub fn follow(&mut self, later: Self) {
+        let (samples, threads) = (later.samples, later.threads.max(self.threads));
+        self.add(later);
+        self.samples = samples;
+        self.threads = threads;
     }
 }
 

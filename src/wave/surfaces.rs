@@ -10,7 +10,7 @@ use super::queue::Queue;
 use super::sampling::{AnySampler, with_sampler};
 use super::shade::Program;
 use crate::effects::Shader;
-use huygens_kernels::queues::{DrawnMut, Listed, LitMut, SurfacesMut};
+use huygens_kernels::queues::{DrawnMut, Listed, LitMut, SmoothMut, SurfacesMut};
 use huygens_kernels::scatter::interact::interact;
 use huygens_kernels::scatter::kinds;
 use huygens_kernels::scatter::light_up::light_up;
@@ -24,14 +24,17 @@ pub(crate) struct Surfaces {
     drawn: Queue<DrawnMut<'static>>,
     /// Of no capacity where lights are not sampled.
     lit: Queue<LitMut<'static>>,
+    /// Where normals are interpolated.
+    smooth: Option<Queue<SmoothMut<'static>>>,
 }
 
 impl Surfaces {
-    pub(crate) fn new(capacity: usize, lights: bool) -> Self {
+    pub(crate) fn new(capacity: usize, lights: bool, smooth: bool) -> Self {
         Self {
             surfaces: Queue::new(capacity),
             drawn: Queue::new(capacity),
             lit: Queue::new(if lights { capacity } else { 0 }),
+            smooth: smooth.then(|| Queue::new(capacity)),
         }
     }
 
@@ -40,13 +43,16 @@ impl Surfaces {
         let surfaces = QueuePlan::of("surfaces", &self.surfaces);
         let drawn = QueuePlan::of("drawn numbers", &self.drawn);
         let lit = QueuePlan::of("light samples", &self.lit);
-        [surfaces, drawn, lit].into_iter().flatten()
+        let smooth = self.smooth.as_ref();
+        let smooth = smooth.and_then(|queue| QueuePlan::of("interpolated surfaces", queue));
+        [surfaces, smooth, drawn, lit].into_iter().flatten()
     }
 
     /// What the listed paths met.
     pub(crate) fn interact(&mut self, listed: Listed, tables: &Tables, sampler: AnySampler) {
         let (surfaces, drawn) = (self.surfaces.view_mut(), self.drawn.view_mut());
-        with_sampler!(sampler, s => interact(listed, tables, s, surfaces, drawn));
+        let smooth = self.smooth.as_mut().map(Queue::view_mut);
+        with_sampler!(sampler, s => interact(listed, tables, s, surfaces, drawn, smooth));
         self.surfaces.set_len(listed.len);
         self.drawn.set_len(listed.len);
     }
@@ -74,6 +80,7 @@ impl Surfaces {
             surfaces: self.surfaces.view(),
             drawn: self.drawn.view(),
             lit: self.lit.view(),
+            smooth: self.smooth.as_ref().map(Queue::view),
         };
         match shader {
             Shader::Plain | Shader::Mix => unreachable!("they have no rows of their own"),

@@ -4,6 +4,7 @@ use super::lights::LightTables;
 use super::parameters::parameters;
 use crate::scene::{Mesh, Scene};
 use crate::settings::Settings;
+use huygens_kernels::interpolate::Attributes;
 use huygens_kernels::tables::{Materials, SLOTS, Tables, Triangles};
 
 /// Material columns and light tables.
@@ -56,6 +57,10 @@ impl SceneTables {
                 area_pdf: &self.lights.area_pdf,
             },
             lights: self.lights.view(scene),
+            attributes: (!scene.mesh.normals.is_empty()).then(|| Attributes {
+                normals: &scene.mesh.normals,
+                uvs: &scene.mesh.uvs,
+            }),
         }
     }
 }

@@ -102,8 +102,9 @@ fn machine(threads: usize) -> Result<String, String> {
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let pages = read("/sys/kernel/mm/transparent_hugepage/enabled");
     let pages = pages.split(['[', ']']).nth(1).unwrap_or("unknown");
+    let rays = huygens_kernels::many::form();
     let embree = embree::Device::new(threads)?.describe();
     Ok(format!(
-        "{model}, {cores} cores; huge pages: {pages}. Huygens built for {build}; {embree}."
+        "{model}, {cores} cores; huge pages: {pages}. Huygens built for {build}, its rays in flight in the {rays} form; {embree}."
     ))
 }

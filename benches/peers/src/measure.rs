@@ -10,6 +10,8 @@ use crate::sets::Sets;
 
 /// What Huygens is called in timings.
 pub(crate) const OURS: &str = "ours";
+/// What Huygens' tree of the `best` preset is called.
+pub(crate) const BEST: &str = "best";
 /// What Huygens is compared with: column heads of the table. Packets are for camera rays alone.
 ///
 /// There is no robust HIGH: in robust mode Embree 3.13 makes no spatial splits whatever the quality
@@ -69,12 +71,14 @@ pub(crate) fn measure(
     threads: usize,
 ) -> Result<Measured, String> {
     let device = Device::new(threads)?;
-    let (ours, scenes) = (Ours::build(&subject.mesh), Scenes::build(&device, subject)?);
+    let scenes = Scenes::build(&device, subject)?;
+    let ours = Ours::build(&subject.mesh);
     let sets = Sets::make(subject, &ours, n)?;
+    let both = [(OURS, &ours), (BEST, &Ours::build_best(&subject.mesh))];
     let mut timings = Vec::new();
     let mut agreement = Vec::new();
     for (name, queue) in [("camera", &sets.camera), ("b1", &sets.b1), ("b2", &sets.b2)] {
-        timings.push((name, closest(queue, &ours, &scenes, rounds)));
+        timings.push((name, closest(queue, both, &scenes, rounds)));
         let found = |tracer: &dyn Closest| {
             let mut found = Found::new(queue.len());
             tracer.closest(queue, &mut found);
@@ -84,7 +88,7 @@ pub(crate) fn measure(
         let judge = |scene| Agreement::judge(&subject.mesh, queue, &first, &found(&Single(scene)));
         agreement.push((name, [judge(&scenes.robust), judge(&scenes.plain)]));
     }
-    timings.push(("sh1", occluded(&sets.sh1, &ours, &scenes, rounds)));
+    timings.push(("sh1", occluded(&sets.sh1, both, &scenes, rounds)));
     let blocked = |tracer: &dyn Occluded| {
         let mut blocked = vec![0; sets.sh1.t_max.len()];
         tracer.occluded(&sets.sh1, &mut blocked);
@@ -108,7 +112,12 @@ pub(crate) fn measure(
     })
 }
 
-fn closest(queue: &Queue, ours: &Ours, scenes: &Scenes, rounds: usize) -> Timings {
+fn closest(
+    queue: &Queue,
+    ours: [(&'static str, &Ours); 2],
+    scenes: &Scenes,
+    rounds: usize,
+) -> Timings {
     let mut tracers: Vec<(&'static str, Box<dyn Closest + '_>)> = vec![
         ("robust", Box::new(Single(&scenes.robust))),
         ("default", Box::new(Single(&scenes.plain))),
@@ -122,10 +131,12 @@ fn closest(queue: &Queue, ours: &Ours, scenes: &Scenes, rounds: usize) -> Timing
     }
     let mut found = Found::new(queue.len());
     let found = std::cell::RefCell::new(&mut found);
-    let mut variants: Vec<Variant> = vec![(
-        OURS,
-        Box::new(|| ours.closest(queue, &mut found.borrow_mut())),
-    )];
+    let mut variants: Vec<Variant> = Vec::new();
+    for (name, ours) in ours {
+        let found = &found;
+        let work = move || ours.closest(queue, &mut found.borrow_mut());
+        variants.push((name, Box::new(work)));
+    }
     for (name, tracer) in &tracers {
         let work = || tracer.closest(queue, &mut found.borrow_mut());
         variants.push((name, Box::new(work)));
@@ -133,7 +144,12 @@ fn closest(queue: &Queue, ours: &Ours, scenes: &Scenes, rounds: usize) -> Timing
     Timings::take(queue.len(), rounds, variants)
 }
 
-fn occluded(queue: &Queue, ours: &Ours, scenes: &Scenes, rounds: usize) -> Timings {
+fn occluded(
+    queue: &Queue,
+    ours: [(&'static str, &Ours); 2],
+    scenes: &Scenes,
+    rounds: usize,
+) -> Timings {
     let tracers: [(&'static str, Box<dyn Occluded + '_>); 5] = [
         ("robust", Box::new(Single(&scenes.robust))),
         ("default", Box::new(Single(&scenes.plain))),
@@ -142,10 +158,12 @@ fn occluded(queue: &Queue, ours: &Ours, scenes: &Scenes, rounds: usize) -> Timin
         ("stream", Box::new(Stream(&scenes.plain))),
     ];
     let blocked = std::cell::RefCell::new(vec![0; queue.t_max.len()]);
-    let mut variants: Vec<Variant> = vec![(
-        OURS,
-        Box::new(|| ours.occluded(queue, &mut blocked.borrow_mut())),
-    )];
+    let mut variants: Vec<Variant> = Vec::new();
+    for (name, ours) in ours {
+        let blocked = &blocked;
+        let work = move || ours.occluded(queue, &mut blocked.borrow_mut());
+        variants.push((name, Box::new(work)));
+    }
     for (name, tracer) in &tracers {
         let work = || tracer.occluded(queue, &mut blocked.borrow_mut());
         variants.push((name, Box::new(work)));

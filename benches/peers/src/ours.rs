@@ -1,7 +1,7 @@
 //! Huygens' side: the seam that the wave uses, in calls of a wave's size.
 
 use crate::queue::{Closest, Found, Occluded, Queue};
-use huygens::geometry::Geometry;
+use huygens::geometry::{Geometry, Preset};
 use huygens::scene::Mesh;
 
 /// Rays a call: what a wave of the default capacity asks at once.
@@ -15,6 +15,11 @@ impl Ours {
     /// Builds on the current rayon pool.
     pub(crate) fn build(mesh: &Mesh) -> Self {
         Self(Geometry::build(mesh))
+    }
+
+    /// The tree of the `best` preset.
+    pub(crate) fn build_best(mesh: &Mesh) -> Self {
+        Self(Geometry::build_with(mesh, Preset::Best))
     }
 
     /// Bytes of tree and leaf blocks.

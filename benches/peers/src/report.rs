@@ -2,7 +2,7 @@
 
 use crate::agree::Agreement;
 use crate::builds::Builds;
-use crate::measure::{Measured, OURS, PEERS};
+use crate::measure::{BEST, Measured, OURS, PEERS};
 use crate::rounds::Timings;
 use crate::statistics::{Spread, median};
 use crate::table::Table;
@@ -22,6 +22,7 @@ pub(crate) fn rays(all: &[Measured]) -> Table {
     let mut head = vec!["mesh", "rays", "Huygens Mray/s", "/ robust (range)"];
     let others: Vec<String> = PEERS[1..].iter().map(|p| format!("/ {p}")).collect();
     head.extend(others.iter().map(String::as_str));
+    head.push("best / HIGH");
     let mut table = Table::new(&head);
     for measured in all {
         for (set, timings) in &measured.timings {
@@ -33,13 +34,13 @@ pub(crate) fn rays(all: &[Measured]) -> Table {
                 ratio_and_range(timings.ratio(OURS, PEERS[0])),
             ];
             row.extend(PEERS[1..].iter().map(|p| ratio(timings.ratio(OURS, p))));
+            row.push(ratio(timings.ratio(BEST, "HIGH")));
             table.row(row);
         }
     }
     for set in ["camera", "b1", "b2", "sh1"] {
-        let middle = |peer: &str| median_ratio(all, set, peer);
-        let cell = |peer: &&str| {
-            let m = middle(peer);
+        let cell = |ours: &str, peer: &str| {
+            let m = median_ratio(all, set, ours, peer);
             if m.is_nan() {
                 String::new()
             } else {
@@ -47,7 +48,8 @@ pub(crate) fn rays(all: &[Measured]) -> Table {
             }
         };
         let mut row = vec!["**median**".to_owned(), set.to_owned(), String::new()];
-        row.extend(PEERS.iter().map(cell));
+        row.extend(PEERS.iter().map(|peer| cell(OURS, peer)));
+        row.push(cell(BEST, "HIGH"));
         table.row(row);
     }
     table
@@ -58,11 +60,11 @@ fn timings<'a>(measured: &'a Measured, set: &str) -> Option<&'a Timings> {
     found.map(|(_, timings)| timings)
 }
 
-/// Median over meshes of the ratio to `peer` on `set`.
-fn median_ratio(all: &[Measured], set: &str, peer: &str) -> f64 {
+/// Median over meshes of the ratio of `ours` to `peer` on `set`.
+fn median_ratio(all: &[Measured], set: &str, ours: &str, peer: &str) -> f64 {
     let ratios: Vec<f64> = all
         .iter()
-        .filter_map(|m| timings(m, set)?.ratio(OURS, peer))
+        .filter_map(|m| timings(m, set)?.ratio(ours, peer))
         .map(|s| s.median)
         .collect();
     median(&ratios)
@@ -70,7 +72,7 @@ fn median_ratio(all: &[Measured], set: &str, peer: &str) -> f64 {
 
 /// The last line.
 pub(crate) fn last_line(all: &[Measured]) -> String {
-    let [b2, sh1] = ["b2", "sh1"].map(|set| median_ratio(all, set, PEERS[0]));
+    let [b2, sh1] = ["b2", "sh1"].map(|set| median_ratio(all, set, OURS, PEERS[0]));
     format!("median robust-ratio b2 {b2:.2} sh1 {sh1:.2}")
 }
 

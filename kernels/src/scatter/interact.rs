@@ -6,8 +6,9 @@
 use super::draw;
 use crate::cost::{Cost, columns, item};
 use crate::hemisphere::Frame;
+use crate::interpolate::{Interpolated, towards};
 use crate::lanes::{Ux, as_bits, gather, gather_u32, store, store_u32};
-use crate::queues::{DrawnMut, Listed, PathHitsMut, PathsMut, SurfacesMut};
+use crate::queues::{DrawnMut, Listed, PathHitsMut, PathsMut, SmoothMut, SurfacesMut};
 use crate::sampler::{Block, Sampler};
 use crate::surface::{self, Corners, clearance};
 use crate::tables::Tables;
@@ -23,12 +24,14 @@ pub const INTERACT: Cost = Cost::new(
 .operations(surface::OPERATIONS);
 
 /// Writes what the listed paths met, and the numbers that they use there, row by row of the list.
+/// Normals are interpolated where both the tables' attributes and `smooth` are there.
 pub fn interact<S: Sampler>(
     listed: Listed,
     tables: &Tables,
     sampler: S,
     mut surfaces: SurfacesMut,
     mut drawn: DrawnMut,
+    mut smooth: Option<SmoothMut>,
 ) {
     for (i, at, _) in listed.vectors() {
         let direction = Vec3x::gather_columns(listed.paths.direction, at);
@@ -39,7 +42,13 @@ pub fn interact<S: Sampler>(
         let front = outside.dot(direction).simd_lt(crate::lanes::Fx::ZERO);
         let normal = Vec3x::select(front, outside, -outside);
         let (point, scale) = corners.point(u, v);
-        let shading = normal;
+        let mut shading = normal;
+        if let (Some(attributes), Some(smooth)) = (&tables.attributes, &mut smooth) {
+            let bent = Interpolated::at(&tables.triangles, attributes, primitive, u, v);
+            let facing = Vec3x::select(front, bent.normal, -bent.normal);
+            shading = towards(facing, normal, -direction);
+            store(smooth.coherence, i, bent.coherence);
+        }
         let s = &mut surfaces;
         point.store(&mut s.point, i);
         store(s.clearance, i, clearance(scale, normal));

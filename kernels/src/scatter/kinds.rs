@@ -89,6 +89,7 @@ fn relative_index(ior: Fx, front: Mask) -> Fx {
 impl Kind for Diffuse {
     type Bsdf = bsdf::Lambert;
     const DELTA: bool = false;
+    const DIFFUSE: bool = true;
     #[inline(always)]
     fn load(parameters: Parameters, _front: Mask) -> bsdf::Lambert {
         bsdf::Lambert {
@@ -100,6 +101,7 @@ impl Kind for Diffuse {
 impl Kind for RoughDiffuse {
     type Bsdf = bsdf::RoughDiffuse;
     const DELTA: bool = false;
+    const DIFFUSE: bool = true;
     #[inline(always)]
     fn load(parameters: Parameters, _front: Mask) -> bsdf::RoughDiffuse {
         bsdf::RoughDiffuse {

@@ -16,10 +16,12 @@ use crate::bsdf::Bsdf;
 use crate::compact::Kept;
 use crate::cost::{Cost, columns, item};
 use crate::hemisphere::Frame;
+use crate::interpolate::terminator;
 use crate::lanes::{Fx, LANES, Mask, Ux, as_mask, first, load, load_u32, padded, store, store_u32};
 use crate::mis::power_heuristic;
 use crate::queues::{
-    BOTH_SIDES, Drawn, DrawnMut, Listed, Lit, LitMut, PathsMut, ShadowsMut, Surfaces, SurfacesMut,
+    BOTH_SIDES, Drawn, DrawnMut, Listed, Lit, LitMut, PathsMut, ShadowsMut, Smooth, Surfaces,
+    SurfacesMut,
 };
 use crate::tables::{Materials, Parameters};
 use crate::vec3::Vec3x;
@@ -41,6 +43,9 @@ pub trait Kind {
     type Bsdf: Bsdf;
     /// Whether nothing but its own sampling finds its directions: light is not sampled then.
     const DELTA: bool;
+    /// Whether it reflects diffusely, so that the shadow's edge has to be softened where normals are
+    /// interpolated (`interpolate::terminator`).
+    const DIFFUSE: bool = false;
     /// Whether light passes through: what lies below is lit too.
     const PASSES: bool = false;
     /// Fetches the parameters, for surfaces seen from their front or their back.
@@ -58,6 +63,8 @@ pub struct Rows<'a, 'b> {
     pub drawn: Drawn<'b>,
     /// Light samples; unspecified where next-event estimation is not in use or the kind is a delta.
     pub lit: Lit<'b>,
+    /// Where normals are interpolated.
+    pub smooth: Option<Smooth<'b>>,
 }
 
 /// Scatters the rows behind the paths and occlusion rays that `out` already holds.
@@ -67,7 +74,7 @@ pub fn respond<K: Kind, N: NextEvent>(rows: Rows, materials: &Materials, out: &m
         surfaces,
         drawn,
         lit,
-        ..
+        smooth,
     } = rows;
     let n = listed.len;
     for i in (0..padded(n)).step_by(LANES) {
@@ -85,7 +92,15 @@ pub fn respond<K: Kind, N: NextEvent>(rows: Rows, materials: &Materials, out: &m
         let path = listed.paths.identity(at);
         let primitive = load_u32(surfaces.primitive, i);
         let normal = Vec3x::load(surfaces.normal, i);
-        let frame = Frame::about(Vec3x::load(surfaces.shading, i));
+        let shading = Vec3x::load(surfaces.shading, i);
+        let frame = Frame::about(shading);
+        let softened = |value: Vec3x, omega_i: Vec3x| match &smooth {
+            Some(smooth) if K::DIFFUSE => {
+                let coherence = load(smooth.coherence, i);
+                value * terminator(shading, normal, omega_i, coherence)
+            }
+            _ => value,
+        };
         let omega_o = Vec3x::load(surfaces.omega_o, i);
 
         let [u, v, choice] = drawn.direction.map(|column| load(column, i));
@@ -95,6 +110,7 @@ pub fn respond<K: Kind, N: NextEvent>(rows: Rows, materials: &Materials, out: &m
         let carried = sampled
             .weight
             .keep(sampled.valid & agree(side, sampled.direction.z));
+        let carried = softened(carried, next);
         let clearance = load(surfaces.clearance, i);
         let origin = normal.scale_add(clearance.copysign(side), Vec3x::load(surfaces.point, i));
         let to = out.path_len + i;
@@ -120,7 +136,7 @@ pub fn respond<K: Kind, N: NextEvent>(rows: Rows, materials: &Materials, out: &m
                 Fx::ONE
             };
             let radiance = throughput
-                .product(response.value)
+                .product(softened(response.value, direction))
                 .product(Vec3x::load(lit.radiance, i))
                 * weight;
             let reached = load_u32(lit.primitive, i);

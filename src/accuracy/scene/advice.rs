@@ -91,7 +91,9 @@ enum Kind {
 fn kind(family: Family) -> Kind {
     match family {
         Family::Base | Family::Strategy | Family::Sampler | Family::Combined => Kind::Way,
-        Family::Depth | Family::Roulette | Family::Wave | Family::Precision => Kind::Other,
+        Family::Depth | Family::Roulette | Family::Split | Family::Wave | Family::Precision => {
+            Kind::Other
+        }
     }
 }
 
@@ -129,10 +131,10 @@ fn against_base(study: &SceneStudy, goal: f64) -> Vec<String> {
     for curve in study.measured() {
         let name = &curve.curve.name;
         match (curve.family, curve.efficiency) {
-            (Family::Roulette | Family::Wave, Some(e)) if e > ALIKE => {
+            (Family::Roulette | Family::Split | Family::Wave, Some(e)) if e > ALIKE => {
                 sentences.push(format!("{name} is {} as efficient", times(e)));
             }
-            (Family::Roulette | Family::Wave, Some(e)) if e < 1.0 / ALIKE => {
+            (Family::Roulette | Family::Split | Family::Wave, Some(e)) if e < 1.0 / ALIKE => {
                 sentences.push(format!(
                     "{name} costs {} as much for the same error",
                     times(1.0 / e)

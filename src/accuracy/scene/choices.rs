@@ -24,6 +24,8 @@ pub enum Family {
     Depth,
     /// Whether and how soon paths end at random
     Roulette,
+    /// Several ways on from a surface
+    Split,
     /// Paths in a worker's wave: the image is the same
     Wave,
     /// The f64 reference tracer instead of the wave
@@ -79,6 +81,7 @@ pub fn choices(scene: &Scene, families: &[Family]) -> Vec<Choice> {
             Family::Sampler => list.samplers(),
             Family::Depth => list.depths(),
             Family::Roulette => list.roulettes(),
+            Family::Split => list.splits(),
             Family::Wave => list.waves(),
             Family::Precision if Reference::supports(scene) => list.precision(),
             Family::Precision => {}
@@ -196,6 +199,26 @@ impl List<'_> {
         }
     }
 
+    fn splits(&mut self) {
+        for split in [vec![4], vec![16], vec![4, 4]] {
+            let settings = Settings {
+                split: split.clone(),
+                ..self.base.clone()
+            };
+            let words: Vec<String> = split.iter().map(u32::to_string).collect();
+            let name = format!("split {}", words.join(","));
+            let what = match &split[..] {
+                [n] => format!("{n} ways on from the first surface"),
+                several => format!(
+                    "{} ways on from the first surface, each with {} from the next",
+                    several[0], several[1]
+                ),
+            };
+            let options = format!("--split {}", words.join(","));
+            self.add(Family::Split, &name, &what, &options, settings);
+        }
+    }
+
     fn waves(&mut self) {
         for wave in [256, 2048, 16_384] {
             let settings = Settings {
@@ -219,6 +242,7 @@ impl List<'_> {
             integrator: Integrator::Reference,
             strategy: Strategy::Cosine,
             sampler: Sampler::Independent,
+            split: Vec::new(),
             max_depth: Some(self.base.depth_limit()).filter(|&d| d <= Reference::DEEPEST),
             ..self.base.clone()
         };

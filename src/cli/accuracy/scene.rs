@@ -73,6 +73,8 @@ pub(super) fn run(args: &Args, path: &Path) -> Result<(), Failure> {
     let mut warnings = scene.warnings.clone();
     warnings.extend(image.needless(&scene));
     warn(&warnings, args.scene.strict)?;
+    scene.settings.spp = args.image.spp.unwrap_or(LAST);
+    ImageOptions::ensure_countable(&scene)?;
     if !matches!(
         scene.settings.integrator,
         Integrator::Path | Integrator::Direct

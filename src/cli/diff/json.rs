@@ -24,6 +24,8 @@ pub(crate) struct Report<'a> {
     level: f64,
     #[serde(flatten)]
     measures: &'a Difference,
+    /// The mean of FLIP, where this build has it.
+    flip: Option<f64>,
     /// The error that is white in the error image, if one was written.
     scale: Option<f64>,
 }
@@ -34,6 +36,7 @@ impl<'a> Report<'a> {
         reference: &Path,
         picture: Picture,
         measures: &'a Difference,
+        flip: Option<f64>,
         scale: Option<f64>,
     ) -> Self {
         Self {
@@ -46,6 +49,7 @@ impl<'a> Report<'a> {
             height: picture.height,
             level: LEVEL,
             measures,
+            flip,
             scale,
         }
     }
@@ -76,7 +80,7 @@ mod tests {
             variance: Some(&[[1.0; 3]]),
         };
         let measures = difference(picture, picture).expect("comparable");
-        let report = Report::new("a".as_ref(), "b".as_ref(), picture, &measures, None);
+        let report = Report::new("a".as_ref(), "b".as_ref(), picture, &measures, None, None);
         let json = serde_json::to_value(&report).expect("serialised");
         let mut found = BTreeSet::new();
         paths(&json, "", &mut found);

@@ -3,7 +3,7 @@
 use super::camera::CameraContents;
 use crate::cli::options;
 use huygens::film::Film;
-use huygens::scene::{self, Filter, Mesh, Scene};
+use huygens::scene::{self, Filter, Mesh, Scene, Texture};
 use huygens::wave::Plan;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -29,7 +29,7 @@ pub(crate) struct Contents {
     #[serde(flatten)]
     pub(super) plan: Plan,
     pub(super) memory: Vec<Table>,
-    /// Of all tables but the film.
+    /// Of all tables but the film and textures.
     pub(super) bytes_per_triangle: Option<f64>,
     pub(super) warnings: Vec<String>,
 }
@@ -87,7 +87,7 @@ impl Contents {
         let bounds = Bounds::of(&scene.mesh);
         let memory = memory(scene, tables);
         let triangles = scene.mesh.triangles();
-        let geometry = memory.iter().filter(|t| t.table != FILM);
+        let geometry = memory.iter().filter(|t| grows(t.table));
         Self {
             schema: 1,
             name: scene.name.clone(),
@@ -215,8 +215,13 @@ fn lights(scene: &Scene, materials: &[MaterialContents], bounds: &Bounds) -> Vec
         .collect()
 }
 
-/// The one table whose size does not depend on the geometry.
+/// Tables whose size does not depend on the geometry.
 const FILM: &str = "film";
+const TEXTURES: &str = "textures";
+
+fn grows(table: &str) -> bool {
+    table != FILM && table != TEXTURES
+}
 
 /// Bytes for each of the triangles, if there are any.
 fn each(bytes: usize, triangles: usize) -> Option<f64> {
@@ -229,10 +234,7 @@ fn memory(scene: &Scene, tables: &[(&'static str, usize)]) -> Vec<Table> {
     let table = |table, bytes| Table {
         table,
         bytes,
-        bytes_per_triangle: match table {
-            FILM => None,
-            _ => each(bytes, mesh.triangles()),
-        },
+        bytes_per_triangle: each(bytes, mesh.triangles()).filter(|_| grows(table)),
     };
     let own = [
         table("vertices", size_of_val(mesh.vertices.as_slice())),
@@ -240,8 +242,15 @@ fn memory(scene: &Scene, tables: &[(&'static str, usize)]) -> Vec<Table> {
         table("material indices", size_of_val(mesh.material.as_slice())),
         table(FILM, pixels * Film::BYTES_PER_PIXEL),
     ];
+    let textures = scene.textures.iter().map(Texture::bytes).sum();
+    let asked = [
+        table("normals", size_of_val(mesh.normals.as_slice())),
+        table("texture coordinates", size_of_val(mesh.uvs.as_slice())),
+        table(TEXTURES, textures),
+    ];
+    let asked = asked.into_iter().filter(|t| t.bytes > 0);
     let others = tables.iter().map(|&(name, bytes)| table(name, bytes));
-    own.into_iter().chain(others).collect()
+    own.into_iter().chain(asked).chain(others).collect()
 }
 
 #[cfg(test)]

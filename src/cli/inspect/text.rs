@@ -87,7 +87,7 @@ impl Contents {
                 .memory
                 .iter()
                 .filter(|t| t.bytes_per_triangle.is_some());
-            row("without film", geometry.map(|t| t.bytes).sum(), Some(each));
+            row("by geometry", geometry.map(|t| t.bytes).sum(), Some(each));
         }
         line("hash", self.hash.clone());
         text

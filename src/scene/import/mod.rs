@@ -1,5 +1,6 @@
 //! Files of geometry that a scene names.
 
+pub(super) mod attributes;
 pub(super) mod mtl;
 mod obj;
 pub(super) mod panorama;
@@ -21,6 +22,10 @@ pub(super) struct Imported {
     pub(super) vertices: Vec<[f32; 3]>,
     /// Vertex indices, all valid, counter-clockwise seen from the front.
     pub(super) triangles: Vec<[u32; 3]>,
+    /// Codes of the vertices' normals, as [`super::compiled::Mesh::normals`]; all or none.
+    pub(super) normals: Vec<u32>,
+    /// Texture coordinates of the vertices, as [`super::compiled::Mesh::uvs`]; all or none.
+    pub(super) uvs: Vec<[f32; 2]>,
     /// Index into `materials` of each triangle.
     pub(super) material: Vec<u32>,
     /// Materials by the file's own names.
@@ -88,6 +93,12 @@ impl Format {
 }
 
 impl Imported {
+    /// Textures that its materials still read.
+    pub(super) fn wanted(&self) -> impl Iterator<Item = &Request> {
+        let places = self.materials.iter().flat_map(Material::textures);
+        places.map(|texture| &self.textures[texture as usize])
+    }
+
     /// Leaves out vertices that no triangle uses: they would count in the scene's box.
     fn drop_unused_vertices(&mut self) {
         let mut used = vec![false; self.vertices.len()];
@@ -103,12 +114,19 @@ impl Imported {
             moved.push(kept);
             kept += u32::from(used);
         }
-        let mut used = used.into_iter();
-        self.vertices.retain(|_| used.next() == Some(true));
+        retain(&mut self.vertices, &used);
+        retain(&mut self.normals, &used);
+        retain(&mut self.uvs, &used);
         for vertex in self.triangles.as_flattened_mut() {
             *vertex = moved[*vertex as usize];
         }
     }
+}
+
+/// Keeps the elements that are marked.
+fn retain<T>(table: &mut Vec<T>, marked: &[bool]) {
+    let mut marks = marked.iter();
+    table.retain(|_| marks.next() == Some(&true));
 }
 
 /// Counts the bytes that pass.

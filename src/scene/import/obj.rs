@@ -4,6 +4,7 @@
 //! appended in order, so the result does not depend on how many threads there are, and of the text
 //! no more is held than those pieces.
 
+use super::attributes::{Corners, NONE, weld};
 use super::piece::{Cut, Piece};
 use super::statements::{Pieces, text};
 use super::{Counted, Counts, Imported, mtl};
@@ -112,6 +113,7 @@ fn batches(
 struct Reading {
     vertices: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
+    corners: Corners,
     material: Vec<u32>,
     /// Names of materials in the order of their first face; faces before any `usemtl` have the
     /// empty name.
@@ -122,7 +124,7 @@ struct Reading {
     libraries: Vec<(usize, String)>,
     lines: usize,
     largest: (u64, usize),
-    late: Vec<(usize, Vec<u32>)>,
+    late: Vec<(usize, Vec<u32>, Vec<[u32; 2]>)>,
     degenerate: usize,
     free_form: bool,
 }
@@ -136,8 +138,15 @@ impl Reading {
         let pieces: Vec<(usize, Piece)> = batch.into_par_iter().map(read).collect();
         let mut before = Vec::with_capacity(pieces.len());
         for (_, piece) in &pieces {
-            before.push(self.vertices.len());
+            let corners = &mut self.corners;
+            before.push([
+                self.vertices.len(),
+                corners.uvs.len(),
+                corners.normals.len(),
+            ]);
             self.vertices.extend_from_slice(&piece.vertices);
+            corners.uvs.extend_from_slice(&piece.uvs);
+            corners.normals.extend_from_slice(&piece.normals);
         }
         if u32::try_from(self.vertices.len()).is_err() {
             return Err(SceneError::file(path, "has more than 4294967295 vertices"));
@@ -152,7 +161,7 @@ impl Reading {
             // The faces of a piece stand before what ended its reading.
             if let Some(problem) = cut.problem.as_ref().or(piece.problem.as_ref()) {
                 let line = self.lines + problem.line;
-                return Err(SceneError::line(path, line, problem.message(before)));
+                return Err(SceneError::line(path, line, problem.message(before[0])));
             }
             self.take(lines, piece, cut);
         }
@@ -162,6 +171,13 @@ impl Reading {
     fn take(&mut self, lines: usize, piece: Piece, cut: Cut) {
         let base = self.triangles.len();
         self.triangles.extend_from_slice(&cut.triangles);
+        let tables = [&mut self.corners.uv, &mut self.corners.normal];
+        for (table, carried) in tables.into_iter().zip(&cut.carried) {
+            if !carried.is_empty() {
+                table.resize(base, [NONE; 3]);
+                table.extend_from_slice(carried);
+            }
+        }
         let names = piece.materials.into_iter().map(|(_, name)| Some(name));
         for (&end, name) in cut.ends.iter().zip(names.chain([None])) {
             // Names that no face uses are passed over.
@@ -177,7 +193,7 @@ impl Reading {
         let late = cut
             .late
             .into_iter()
-            .map(|(at, corners)| (base + at, corners));
+            .map(|(at, corners, carried)| (base + at, corners, carried));
         self.late.extend(late);
         let libraries = piece.libraries.into_iter();
         self.libraries
@@ -201,13 +217,21 @@ impl Reading {
     /// All indices are valid now.
     fn finish(mut self, path: &Path) -> Imported {
         let mut cut = Vec::new();
-        for (at, indices) in std::mem::take(&mut self.late) {
+        for (at, indices, carried) in std::mem::take(&mut self.late) {
             let corner = |&i: &u32| DVec3::from_array(self.vertices[i as usize].map(f64::from));
             let corners: Vec<DVec3> = indices.iter().map(corner).collect();
             cut.clear();
             triangulate(&corners, &mut cut);
             for (hole, t) in self.triangles[at..].iter_mut().zip(&cut) {
                 *hole = t.map(|i| indices[i as usize]);
+            }
+            let tables = [&mut self.corners.uv, &mut self.corners.normal];
+            for (which, table) in tables.into_iter().enumerate() {
+                if !carried.is_empty() {
+                    for (hole, t) in table[at..].iter_mut().zip(&cut) {
+                        *hole = t.map(|i| carried[i as usize][which]);
+                    }
+                }
             }
         }
         let mut imported = Imported {
@@ -227,6 +251,12 @@ impl Reading {
         if self.free_form {
             imported.warnings.push(format!(
                 "{file}: curves and surfaces of higher order are not supported; left out"
+            ));
+        }
+        let wrong = weld(&mut imported, self.corners);
+        if wrong > 0 {
+            imported.warnings.push(format!(
+                "{file}: indices of no texture coordinates or normal: {wrong} left out"
             ));
         }
         imported.drop_unused_vertices();
@@ -280,6 +310,45 @@ mod tests {
         for t in &imported.triangles[..4] {
             assert!(t.contains(&1) && t.contains(&3), "{t:?}");
         }
+    }
+
+    #[test]
+    fn pieces_make_no_difference_to_what_corners_carry() {
+        // A late pentagon, then relative indices, a corner without, and one of nothing.
+        let imported = by_all_sizes(
+            "f 1/1/1 2/2/1 3/3/2 4/4/1 5/5/1\nv 0 0 0\nv 2 0 0\nvt 0 0\nvn 0 0 9\nv 2 2 0\n\
+             v 1 3 0\nv 0 2 0\nvt 1 0\nvt 1 1\nvn 0 1 1\nvt .5 1.5\nvt 0 1\n\
+             f -5/-5/-1 -4/-4/-2 -3/-3/-1\nf 1/1 2/2 3/3\nf 1//1 2//9 3//2\nf 1 2 5\n",
+        )
+        .unwrap();
+        assert_eq!(imported.triangles.len(), 7);
+        assert_eq!(imported.uvs.len(), imported.vertices.len());
+        assert_eq!(imported.normals.len(), imported.vertices.len());
+        // (u, v) are half of (x, y) wherever there are any.
+        for (uv, at) in imported.uvs.iter().zip(&imported.vertices) {
+            assert!(
+                uv[0].is_nan() || *uv == [at[0] / 2.0, at[1] / 2.0],
+                "{uv:?} {at:?}"
+            );
+        }
+        let has = |t: usize| {
+            let of = imported.triangles[t].map(|v| v as usize);
+            let smooth = of.iter().all(|&v| imported.normals[v] != 0x8000_8000);
+            (of.iter().all(|&v| imported.uvs[v][0].is_finite()), smooth)
+        };
+        // The pentagon's triangles without corner 3 have the face's own normal: they are flat.
+        let smooth = (0..3).filter(|&t| has(t).1).count();
+        assert!((1..3).contains(&smooth));
+        assert!((0..3).all(|t| has(t).0));
+        assert_eq!(
+            (3..7).map(has).collect::<Vec<_>>(),
+            [(true, true), (true, false), (false, false), (false, false)]
+        );
+        assert_eq!(imported.warnings.len(), 1);
+        assert!(
+            imported.warnings[0]
+                .ends_with("indices of no texture coordinates or normal: 1 left out")
+        );
     }
 
     #[test]

@@ -46,6 +46,8 @@ pub(super) fn load(path: &Path, read: &AtomicU64) -> Result<Imported, SceneError
     let mut imported = Imported {
         vertices: reading.vertices,
         triangles: reading.triangles,
+        normals: reading.normals,
+        uvs: reading.uvs,
         ..Imported::default()
     };
     if imported.triangles.is_empty() {

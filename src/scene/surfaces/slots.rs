@@ -98,6 +98,20 @@ fn value<'a, T: Largest>(
 }
 
 impl Material {
+    /// Whether it, or a part of it, reads textures. `materials` are those of the scene.
+    pub(in crate::scene) fn reads_textures(&self, materials: &[Self]) -> bool {
+        let part = |i: u32| materials[i as usize].reads_textures(materials);
+        !self.textures().is_empty()
+            || matches!(self.bsdf, Bsdf::Mix { first, second, .. } if part(first) || part(second))
+    }
+
+    /// The textures that it reads, by index.
+    pub(in crate::scene) fn textures(&self) -> Vec<u32> {
+        let mut copy = self.clone();
+        let slots = copy.textures_mut();
+        slots.iter().map(Slot::texture).collect()
+    }
+
     /// The places where it reads a texture.
     pub(in crate::scene) fn textures_mut(&mut self) -> Vec<Slot<'_>> {
         let mut all = Vec::new();

@@ -14,6 +14,17 @@ use std::path::{Path, PathBuf};
 /// search of its end.
 const LONGEST: u64 = 1 << 20;
 
+/// What may be read of vertices, the most first.
+const FIELDS: [&[&str]; 7] = [
+    &["x", "y", "z", "nx", "ny", "nz", "u", "v"],
+    &["x", "y", "z", "nx", "ny", "nz", "s", "t"],
+    &["x", "y", "z", "nx", "ny", "nz", "texture_u", "texture_v"],
+    &["x", "y", "z", "nx", "ny", "nz"],
+    &["x", "y", "z", "u", "v"],
+    &["x", "y", "z", "s", "t"],
+    &["x", "y", "z", "texture_u", "texture_v"],
+];
+
 /// The header of a mesh.
 pub(super) struct Header {
     path: PathBuf,
@@ -103,6 +114,19 @@ impl Header {
                 indices.name
             )),
         }
+    }
+
+    /// The numbers that are read of a vertex, in this order: x, y, z, then the normal, if it has one,
+    /// then texture coordinates, if it has any, by one of their usual names.
+    pub(super) fn fields(&self) -> &'static [&'static str] {
+        let vertex = self.header.get_element("vertex");
+        let scalar = |name: &&str| {
+            let property = vertex.and_then(|v| v.get_property(name));
+            property.is_some_and(|p| matches!(p.property_type, PropertyType::Scalar(_)))
+        };
+        let whole = |fields: &&[&str]| fields.iter().all(scalar);
+        // All of them begin with x, y and z, which are there.
+        FIELDS.into_iter().find(whole).unwrap_or(&["x", "y", "z"])
     }
 
     fn rows(&self, element: &str) -> usize {

@@ -1,10 +1,15 @@
 //! The rows of a PLY file, taken as serde-ply reads them.
 
 use super::header::{Header, is_indices};
+use crate::scene::compiled::Mesh;
 use crate::scene::triangulate::triangulate;
 use glam::DVec3;
+use huygens_kernels::octahedral;
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::fmt;
+
+/// Most numbers that are read of a vertex.
+const MOST: usize = 8;
 
 /// What a reading of the file takes from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,11 +23,17 @@ pub(super) enum Pass {
 pub(super) struct Reading {
     pub(super) pass: Pass,
     pub(super) vertices: Vec<[f32; 3]>,
+    /// Codes, where the file has normals.
+    pub(super) normals: Vec<u32>,
+    /// Where the file has texture coordinates.
+    pub(super) uvs: Vec<[f32; 2]>,
     pub(super) triangles: Vec<[u32; 3]>,
     /// Faces with fewer than three corners.
     pub(super) degenerate: usize,
     /// What is wrong, where it is not serde-ply that says so.
     pub(super) problem: Option<String>,
+    /// Properties of a vertex, in the order in which they are read.
+    fields: &'static [&'static str],
     /// The element and the row that are being read.
     element: String,
     row: usize,
@@ -36,6 +47,9 @@ impl Reading {
         Self {
             pass: Pass::Both,
             vertices: Vec::with_capacity(header.room("vertex")),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            fields: header.fields(),
             triangles: Vec::with_capacity(header.room("face")),
             degenerate: 0,
             problem: None,
@@ -56,7 +70,9 @@ impl Reading {
         Err(E::custom(what))
     }
 
-    fn push_vertex<E: Error>(&mut self, position: [f64; 3]) -> Result<(), E> {
+    /// `numbers` are those of `fields`.
+    fn push_vertex<E: Error>(&mut self, numbers: [f64; MOST]) -> Result<(), E> {
+        let position = [numbers[0], numbers[1], numbers[2]];
         for written in position {
             if !(written as f32).is_finite() {
                 let what = format!("has coordinate {written:?}, expected a finite number");
@@ -67,6 +83,16 @@ impl Reading {
             return self.fail("is one too many, expected at most 4294967295");
         }
         self.vertices.push(position.map(|x| x as f32));
+        let count = self.fields.len();
+        if count >= 6 {
+            let normal = [numbers[3], numbers[4], numbers[5]];
+            self.normals.push(octahedral::encode(normal));
+        }
+        if count == 5 || count == 8 {
+            let uv = [numbers[count - 2], numbers[count - 1]].map(|x| x as f32);
+            let finite = uv.iter().all(|x| x.is_finite());
+            self.uvs.push(if finite { uv } else { Mesh::NO_UV });
+        }
         Ok(())
     }
 
@@ -174,7 +200,7 @@ impl<'de> DeserializeSeed<'de> for Row<'_> {
     fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<(), D::Error> {
         match self.1 {
             // As a struct of these fields it takes serde-ply's quick way, through `visit_seq`.
-            What::Vertex => from.deserialize_struct("vertex", &["x", "y", "z"], self),
+            What::Vertex => from.deserialize_struct("vertex", self.0.fields, self),
             _ => from.deserialize_map(self),
         }
     }
@@ -188,21 +214,21 @@ impl<'de> Visitor<'de> for Row<'_> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut fields: A) -> Result<(), A::Error> {
-        let mut position = [0.0; 3];
-        for x in &mut position {
-            // The header says that there are three.
+        let mut numbers = [0.0; MOST];
+        for x in &mut numbers[..self.0.fields.len()] {
+            // The header says that there are so many.
             *x = fields.next_element()?.unwrap_or(f64::NAN);
         }
-        self.0.push_vertex(position)
+        self.0.push_vertex(numbers)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut row: A) -> Result<(), A::Error> {
         let Self(reading, what) = self;
-        let mut position = [f64::NAN; 3];
+        let mut numbers = [f64::NAN; MOST];
         reading.corners.clear();
-        while let Some(field) = row.next_key_seed(FieldName(what))? {
+        while let Some(field) = row.next_key_seed(FieldName(what, reading.fields))? {
             match field {
-                Field::Coordinate(axis) => position[axis] = row.next_value()?,
+                Field::Number(place) => numbers[place] = row.next_value()?,
                 Field::Indices => {
                     reading.corners.clear();
                     row.next_value_seed(Corners(reading))?;
@@ -213,7 +239,7 @@ impl<'de> Visitor<'de> for Row<'_> {
             }
         }
         match what {
-            What::Vertex => reading.push_vertex(position)?,
+            What::Vertex => reading.push_vertex(numbers)?,
             What::Face => reading.push_face(),
             What::Other => {}
         }
@@ -223,13 +249,14 @@ impl<'de> Visitor<'de> for Row<'_> {
 
 /// What a property is to us.
 enum Field {
-    Coordinate(usize),
+    /// Of a vertex: its place among the fields.
+    Number(usize),
     Indices,
     Other,
 }
 
 /// Told from its name without keeping that.
-struct FieldName(What);
+struct FieldName(What, &'static [&'static str]);
 
 impl<'de> DeserializeSeed<'de> for FieldName {
     type Value = Field;
@@ -247,9 +274,10 @@ impl Visitor<'_> for FieldName {
 
     fn visit_bytes<E: Error>(self, name: &[u8]) -> Result<Field, E> {
         Ok(match (self.0, name) {
-            (What::Vertex, b"x") => Field::Coordinate(0),
-            (What::Vertex, b"y") => Field::Coordinate(1),
-            (What::Vertex, b"z") => Field::Coordinate(2),
+            (What::Vertex, name) => {
+                let place = self.1.iter().position(|field| field.as_bytes() == name);
+                place.map_or(Field::Other, Field::Number)
+            }
             (What::Face, name) if std::str::from_utf8(name).is_ok_and(is_indices) => Field::Indices,
             _ => Field::Other,
         })

@@ -1,26 +1,7 @@
-//! Eight rays at once through the tree, where they go the same way: camera rays.
-//!
-//! Neighbouring camera rays meet the same nodes. So eight of them walk together, a lane each, and
-//! share what a step costs: a node's eight boxes are tested once against an interval that holds all
-//! eight rays, its children are sorted once, its cache lines come from memory once. A leaf's box is
-//! then tested by each ray for itself, eight at a time, and so are its triangles, as in `few.rs`.
-//!
-//! **Which rays.** Eight neighbours of the view make a packet if they agree on the main axis and on
-//! the signs of all components, no component's reciprocal overflows, and their slopes lie within
-//! `SPREAD`. Rays scattered by a surface hardly ever do, and asking costs little; so nobody needs
-//! to say which rays are camera rays. What makes no packet is left to `flight.rs`.
-//!
-//! **The same answers.** The interval test computes, for each plane, the extreme over the corners of
-//! (origins) x (reciprocal directions). Rounding is monotone, so each bound holds for the *computed*
-//! value of every ray within: no box that a ray enters is missed. A ray's test of a leaf's box is
-//! that of `slabs.rs`, bit for bit; the box lies within those of all its ancestors, and by the same
-//! monotony a ray that enters it enters them. So a ray tests the triangles that it tests alone, in
-//! another order perhaps, which does not show: see `traverse.rs`. The one exception is a triangle seen
-//! edge-on whose computed distance lies before its own box: whether a nearer hit has put that box
-//! beyond the ray's limit by then may hang on the order.
-//!
-//! Input and output: as `traverse.rs`. Reads 28 bytes of a ray, writes 16.
+//! Eight rays that go the same way: what makes them a packet, and their walk through the tree.
 
+use super::hull::{ALL, Hull, greatest, least};
+use super::pace::UseOfLanes;
 use crate::bvh::{Block, Bvh, LEAF, NOTHING, Node, WIDTH, index};
 use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask, iota, load, load_u32, store, store_u32};
 use crate::order::Stack;
@@ -28,122 +9,13 @@ use crate::query::ClosestHit;
 use crate::rays::{Hits, NO_PRIMITIVE, Rays};
 use crate::slabs::PAD;
 use crate::triangle::{Candidates, View};
-use crate::{flight, traverse, visits};
-use std::ops::Range;
+use crate::visits;
 
 /// The most that two slopes of a packet may differ by, along either axis. Rays farther apart share
 /// too little of their way; an image 1000 pixels wide has some 0.001 to 0.002 a pixel.
 const SPREAD: f32 = 0.125;
-/// Twice the rays that must enter a leaf on average for a packet to pay.
-const ENOUGH_LANES: u32 = 3;
-/// Groups of eight rays that are not tried after a packet that did not pay: at first, and at most.
-const SHORT_WAIT: u32 = 16;
-const LONG_WAIT: u32 = 64;
-/// As many rays or more outside packets, in a row, are taken in flight; fewer one at a time.
-const FLIGHT: usize = 32;
-/// Most nodes of a tree whose children's places a `u32` can number.
-const MAX_NODES: usize = NOTHING as usize / WIDTH;
-
-/// Writes the closest hit of each ray; `N` rays that make no packet are in flight together.
-///
-/// # Panics
-/// If a column is shorter than `rays.len`.
-pub fn closest<const N: usize>(bvh: Bvh, rays: Rays, mut hits: Hits) {
-    let mut stack = Stack::default();
-    let mut answered = 0;
-    let walkable = !bvh.nodes.is_empty() && bvh.nodes.len() <= MAX_NODES;
-    let whole = if walkable {
-        rays.len / LANES * LANES
-    } else {
-        0
-    };
-    let mut pace = Pace::default();
-    for i in (0..whole).step_by(LANES) {
-        if !pace.try_packet() {
-            continue;
-        }
-        if let Some(packet) = Packet::load(&rays, i) {
-            apart::<N>(bvh, &rays, &mut hits, answered..i);
-            let (found, lanes) = packet.walk(bvh, &mut stack);
-            found.store(&packet, &mut hits, i);
-            pace.learn(lanes);
-            answered = i + LANES;
-        }
-    }
-    apart::<N>(bvh, &rays, &mut hits, answered..rays.len);
-}
-
-/// Whether packets pay: where a pixel covers many triangles, its rays part ways however alike their
-/// directions are, and most lanes of a packet idle in most leaves.
-#[derive(Default)]
-struct Pace {
-    /// Of the last packets, the older the less.
-    recent: UseOfLanes,
-    /// Groups of rays to leave to flight before the next packet is tried.
-    wait: u32,
-    /// How many to leave next time.
-    next: u32,
-}
-
-impl Pace {
-    #[inline(always)]
-    fn try_packet(&mut self) -> bool {
-        let go = self.wait == 0;
-        self.wait -= u32::from(!go);
-        go
-    }
-
-    /// Waits after packets that did not pay, and twice as long each time in a row.
-    #[inline(always)]
-    fn learn(&mut self, lanes: UseOfLanes) {
-        let recent = &mut self.recent;
-        recent.leaves += lanes.leaves;
-        recent.inside += lanes.inside;
-        if 2 * recent.inside < ENOUGH_LANES * recent.leaves {
-            self.wait = self.next.clamp(SHORT_WAIT, LONG_WAIT);
-            self.next = 2 * self.wait;
-            *recent = UseOfLanes::default();
-        } else {
-            self.next = 0;
-            recent.leaves -= recent.leaves / 4;
-            recent.inside -= recent.inside / 4;
-        }
-    }
-}
-
-/// Leaves that a packet came to, and rays that entered them.
-#[derive(Clone, Copy, Default)]
-struct UseOfLanes {
-    leaves: u32,
-    inside: u32,
-}
-
-/// Rays that make no packet.
-fn apart<const N: usize>(bvh: Bvh, rays: &Rays, hits: &mut Hits, range: Range<usize>) {
-    if range.is_empty() {
-        return;
-    }
-    let rays = Rays {
-        len: range.len(),
-        origin: rays.origin.map(|column| &column[range.clone()]),
-        direction: rays.direction.map(|column| &column[range.clone()]),
-        leaves: &rays.leaves[range.clone()],
-    };
-    let hits = Hits {
-        primitive: &mut hits.primitive[range.clone()],
-        t: &mut hits.t[range.clone()],
-        u: &mut hits.u[range.clone()],
-        v: &mut hits.v[range],
-    };
-    if rays.len < FLIGHT {
-        traverse::closest(bvh, rays, hits);
-    } else {
-        flight::closest::<N>(bvh, rays, hits);
-    }
-}
-
 /// Eight rays that go the same way, in the units of [`crate::query::Prepared`].
-struct Packet {
+pub(super) struct Packet {
     origin: [Fx; 3],
     inverse: [Fx; 3],
     /// First, second, main.
@@ -155,19 +27,8 @@ struct Packet {
     hull: Hull,
 }
 
-/// An interval that holds all rays of a packet, and the planes they meet.
-struct Hull {
-    /// The plane of a node that is met first, by axis; the other is met last.
-    near: [usize; 3],
-    /// The origins' end that makes the distance to near planes least, and that which makes the
-    /// distance to far planes most.
-    origin: [[f32; 2]; 3],
-    /// Ends of the reciprocal directions.
-    inverse: [[f32; 2]; 3],
-}
-
 /// The closest hits so far, a ray a lane.
-struct Found {
+pub(super) struct Found {
     t: Fx,
     u: Fx,
     v: Fx,
@@ -177,7 +38,7 @@ struct Found {
 impl Packet {
     /// Rays `i .. i + LANES`, if they make a packet.
     #[inline(always)]
-    fn load(rays: &Rays, i: usize) -> Option<Self> {
+    pub(super) fn load(rays: &Rays, i: usize) -> Option<Self> {
         let origin = rays.origin.map(|column| load(column, i));
         let direction = rays.direction.map(|column| load(column, i));
         let signs = direction.map(|d| d.to_bitmask());
@@ -195,7 +56,7 @@ impl Packet {
         let scale: Fx = bytemuck::cast((Ux::splat(254) - exponent) << 23_u32);
         let direction = direction.map(|d| d * scale);
         let inverse = direction.map(|d| Fx::ONE / d);
-        let usable = [origin, inverse.map(|i| i * Fx::splat(1.0 + PAD)), direction]
+        let usable = [origin, inverse, direction]
             .as_flattened()
             .iter()
             .fold(as_mask(normal), |all, &x| all & finite(x));
@@ -226,7 +87,7 @@ impl Packet {
         })
     }
 
-    fn walk(&self, bvh: Bvh, stack: &mut Stack) -> (Found, UseOfLanes) {
+    pub(super) fn walk(&self, bvh: Bvh, stack: &mut Stack) -> (Found, UseOfLanes) {
         let mut found = Found {
             t: Fx::splat(f32::MAX),
             u: Fx::ZERO,
@@ -271,11 +132,10 @@ impl Packet {
             Fx::splat(node.planes[plane].as_array()[slot]) - self.origin[axis]
         };
         let near = |axis: usize| plane(axis, self.hull.near[axis]) * self.inverse[axis];
-        let far = |axis: usize| {
-            plane(axis, self.hull.near[axis] ^ 1) * (self.inverse[axis] * Fx::splat(1.0 + PAD))
-        };
+        let far = |axis: usize| plane(axis, self.hull.near[axis] ^ 1) * self.inverse[axis];
         let enter = near(0).fast_max(near(1).fast_max(near(2).fast_max(Fx::ZERO)));
-        let leave = far(0).fast_min(far(1).fast_min(far(2).fast_min(limit)));
+        let leave = far(0).fast_min(far(1).fast_min(far(2)));
+        let leave = (leave * Fx::splat(1.0 + PAD)).fast_min(limit);
         !enter.simd_gt(leave)
     }
 
@@ -290,8 +150,8 @@ impl Packet {
             }
             visits::add(0, LANES);
             let index = Ux::splat(primitives[lane]);
-            let new = self.test(block, lane, inside);
             let own = as_mask(index.simd_eq(self.leaves));
+            let new = self.test(block, lane, inside & !own);
             let tied = new.t.simd_eq(found.t) & as_mask(index.simd_lt(found.primitive));
             let nearer = (new.t.simd_lt(found.t) | tied) & new.met & inside & !own;
             found.t = nearer.select(new.t, found.t);
@@ -328,51 +188,14 @@ impl Packet {
     fn view(&self, block: &Block, lane: usize) -> View<Fx> {
         // The remainders tell the compiler that no index is out of range.
         let axes = self.axes.map(|a| a % 3);
-        let corner = |v: &[wide::f32x4; 3]| axes.map(|a| Fx::splat(v[a].as_array()[lane & 3]));
+        let [x, y, z] = axes.map(|a| &block.vertex[a]);
+        let corner = |c: usize| [x, y, z].map(|v| Fx::splat(v[c].as_array()[lane & 3]));
         View {
-            corners: block.vertex.each_ref().map(corner),
+            corners: [corner(0), corner(1), corner(2)],
             origin: axes.map(|a| self.origin[a]),
             slope: self.slope,
             inverse: self.inverse[axes[2]],
         }
-    }
-}
-
-impl Hull {
-    #[inline(always)]
-    fn new(signs: [u32; 3], origin: [Fx; 3], inverse: [Fx; 3]) -> Self {
-        let ends = |x: Fx| [least(x), greatest(x)];
-        Self {
-            near: std::array::from_fn(|axis| 2 * axis + usize::from(signs[axis] != 0)),
-            origin: std::array::from_fn(|axis| {
-                let [low, high] = ends(origin[axis]);
-                // Upwards, planes are nearest from the highest origin; downwards from the lowest.
-                if signs[axis] == 0 {
-                    [high, low]
-                } else {
-                    [low, high]
-                }
-            }),
-            inverse: inverse.map(ends),
-        }
-    }
-
-    /// Which boxes any of the rays may enter at `0 ..= limit`, and where at the earliest.
-    #[inline(always)]
-    fn test(&self, node: &Node, limit: f32) -> (Mask, Fx) {
-        let near = |axis: usize| {
-            let plane = node.planes[self.near[axis] % 6] - Fx::splat(self.origin[axis][0]);
-            let [a, b] = self.inverse[axis].map(|i| plane * Fx::splat(i));
-            a.fast_min(b)
-        };
-        let far = |axis: usize| {
-            let plane = node.planes[(self.near[axis] ^ 1) % 6] - Fx::splat(self.origin[axis][1]);
-            let [a, b] = self.inverse[axis].map(|i| plane * Fx::splat(i * (1.0 + PAD)));
-            a.fast_max(b)
-        };
-        let enter = near(0).fast_max(near(1).fast_max(near(2).fast_max(Fx::ZERO)));
-        let leave = far(0).fast_min(far(1).fast_min(far(2).fast_min(Fx::splat(limit))));
-        (!enter.simd_gt(leave), enter)
     }
 }
 
@@ -384,7 +207,7 @@ impl Found {
     }
 
     #[inline(always)]
-    fn store(&self, packet: &Packet, hits: &mut Hits, i: usize) {
+    pub(super) fn store(&self, packet: &Packet, hits: &mut Hits, i: usize) {
         // What f32 cannot hold becomes the nearest it can.
         let t = self.t * packet.scale;
         let t = t
@@ -397,35 +220,10 @@ impl Found {
     }
 }
 
-/// The bits of a mask that is true everywhere.
-const ALL: u32 = (1 << LANES) - 1;
-
-/// The least lane.
-#[inline(always)]
-fn least(x: Fx) -> f32 {
-    fold(x, Fx::fast_min)
-}
-
-/// The greatest lane.
-#[inline(always)]
-fn greatest(x: Fx) -> f32 {
-    fold(x, Fx::fast_max)
-}
-
-#[inline(always)]
-fn fold(x: Fx, of: impl Fn(Fx, Fx) -> Fx) -> f32 {
-    let across = |x: Fx, partner: [u32; LANES]| {
-        let other = as_bits(x).shuffle_wrapping(Ux::new(partner));
-        of(x, bytemuck::cast(other))
-    };
-    let x = across(x, [4, 5, 6, 7, 0, 1, 2, 3]);
-    let x = across(x, [2, 3, 0, 1, 6, 7, 4, 5]);
-    across(x, [1, 0, 3, 2, 5, 4, 7, 6]).as_array()[0]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::LANES;
 
     /// Whether eight rays along `direction(lane)` from one point make a packet.
     fn together(direction: impl Fn(usize) -> [f32; 3]) -> bool {

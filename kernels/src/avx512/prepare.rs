@@ -1,0 +1,184 @@
+//! Rays made ready sixteen at a time: the arithmetic of `query.rs`, operation by operation.
+//!
+//! There the direction is brought to its unit over f64, whose numbers have room for any power of
+//! two; where that power is an ordinary f32 the detour rounds nothing that f32 would not. Other
+//! directions, [`Stage`] hands to the caller.
+
+use super::simd::{lanes_below, load_part, store16, transpose};
+use super::slot::Ray;
+use crate::rays::{Rays, Segments};
+use crate::vec3::Columns;
+use std::arch::x86_64::*;
+
+/// Rays that are ready and wait for a slot.
+#[repr(align(64))]
+pub(super) struct Stage {
+    rays: [[f32; 16]; 16],
+    /// The place of the first in the view.
+    first: usize,
+    /// Which are still there, a bit each, and which are for the caller.
+    ready: u32,
+    odd: u32,
+    /// The first ray that has not been looked at.
+    next: usize,
+}
+
+impl Stage {
+    pub(super) const fn new() -> Self {
+        Self {
+            rays: [[0.0; 16]; 16],
+            first: 0,
+            ready: 0,
+            odd: 0,
+            next: 0,
+        }
+    }
+
+    /// The next ray of the view that can meet anything, and its place. `odd` is told the places of
+    /// those that it must answer itself.
+    #[inline]
+    #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+    pub(super) fn next_ray(
+        &mut self,
+        view: &Rays,
+        mut odd: impl FnMut(usize),
+    ) -> Option<(usize, Ray)> {
+        while self.ready == 0 && self.next < view.len {
+            let (origin, direction) = (view.origin, view.direction);
+            self.prepare(view.len, origin, direction, None, view.leaves);
+            self.for_each_odd(&mut odd);
+        }
+        self.take()
+    }
+
+    /// The same for segments.
+    #[inline]
+    #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+    pub(super) fn next_segment(
+        &mut self,
+        view: &Segments,
+        mut odd: impl FnMut(usize),
+    ) -> Option<(usize, Ray)> {
+        while self.ready == 0 && self.next < view.len {
+            let (origin, direction) = (view.origin, view.direction);
+            self.prepare(view.len, origin, direction, Some(view.t_max), view.leaves);
+            self.for_each_odd(&mut odd);
+        }
+        self.take()
+    }
+
+    #[inline]
+    fn for_each_odd(&mut self, odd: &mut impl FnMut(usize)) {
+        while self.odd != 0 {
+            odd(self.first + self.odd.trailing_zeros() as usize);
+            self.odd &= self.odd - 1;
+        }
+    }
+
+    #[inline]
+    fn take(&mut self) -> Option<(usize, Ray)> {
+        if self.ready == 0 {
+            return None;
+        }
+        let lane = self.ready.trailing_zeros() as usize % 16;
+        self.ready &= self.ready - 1;
+        Some((self.first + lane, bytemuck::cast(self.rays[lane])))
+    }
+
+    /// Looks at the next sixteen.
+    #[inline(never)]
+    #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+    fn prepare(
+        &mut self,
+        len: usize,
+        origin: Columns,
+        direction: Columns,
+        t_max: Option<&[f32]>,
+        leaves: &[u32],
+    ) {
+        let first = self.next;
+        let end = len.min(first + 16);
+        let o = origin.map(|column| load_part(column, first, end));
+        let d = direction.map(|column| load_part(column, first, end));
+        let leaves = load_part(bytemuck::cast_slice(leaves), first, end);
+        let [x, y, z] = d.map(|d| _mm512_abs_ps(d));
+        let largest = _mm512_max_ps(x, _mm512_max_ps(y, z));
+        // A ray can meet something if all numbers are finite and it goes somewhere.
+        let mut able = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(
+            lanes_below(end - first),
+            largest,
+            _mm512_setzero_ps(),
+        );
+        for number in [o, d].as_flattened() {
+            let most = _mm512_set1_ps(f32::MAX);
+            let size = _mm512_abs_ps(*number);
+            able = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(able, size, most);
+        }
+        // Exponents 1 to 253: the power of two that undoes them is a normal number.
+        let exponent = _mm512_srli_epi32::<23>(_mm512_castps_si512(largest));
+        let one_less = _mm512_sub_epi32(exponent, _mm512_set1_epi32(1));
+        let mut ordinary = _mm512_cmplt_epu32_mask(one_less, _mm512_set1_epi32(253));
+        let scale = _mm512_sub_epi32(_mm512_set1_epi32(254), exponent);
+        let scale = _mm512_castsi512_ps(_mm512_slli_epi32::<23>(scale));
+        let d = d.map(|d| _mm512_mul_ps(d, scale));
+        let inverse = d.map(|d| _mm512_div_ps(_mm512_set1_ps(1.0), d));
+
+        // The largest component's axis; of equally large ones the last.
+        let x_main =
+            _mm512_cmp_ps_mask::<_CMP_GT_OQ>(x, y) & _mm512_cmp_ps_mask::<_CMP_GT_OQ>(x, z);
+        let y_main = !x_main & _mm512_cmp_ps_mask::<_CMP_GT_OQ>(y, z);
+        // One of three, by main axis.
+        let by_main = |[x, y, z]: [__m512; 3]| {
+            _mm512_mask_mov_ps(_mm512_mask_mov_ps(z, y_main, y), x_main, x)
+        };
+        let permute =
+            |[x, y, z]: [__m512; 3]| [by_main([y, z, x]), by_main([z, x, y]), by_main([x, y, z])];
+        let axes = permute([0, 1, 2].map(|axis| _mm512_castsi512_ps(_mm512_set1_epi32(axis))));
+        let [d0, d1, main] = permute(d);
+        let permuted = permute(o);
+        let pack = |[a, b, c]: [__m512i; 3]| {
+            let bc = _mm512_or_si512(_mm512_slli_epi32::<8>(b), _mm512_slli_epi32::<16>(c));
+            _mm512_castsi512_ps(_mm512_or_si512(a, bc))
+        };
+        // The sign of the bit, not of the number: -0 belongs with the negatives.
+        let near = pack(d.map(|d| _mm512_srli_epi32::<31>(_mm512_castps_si512(d))));
+        let span = match t_max {
+            None => scale,
+            Some(t_max) => {
+                let t_max = load_part(t_max, first, end);
+                let zero = _mm512_setzero_ps();
+                let inward = _mm512_div_ps(t_max, scale);
+                // A segment without a length meets nothing; one whose length vanishes here is odd.
+                able = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(able, t_max, zero);
+                ordinary = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(ordinary, inward, zero);
+                inward
+            }
+        };
+        // Columns as the fields of `Ray`.
+        let rows = transpose([
+            o[0],
+            o[1],
+            o[2],
+            inverse[0],
+            inverse[1],
+            inverse[2],
+            permuted[0],
+            permuted[1],
+            permuted[2],
+            _mm512_div_ps(d0, main),
+            _mm512_div_ps(d1, main),
+            by_main(inverse),
+            near,
+            pack(axes.map(|axis| _mm512_castps_si512(axis))),
+            span,
+            leaves,
+        ]);
+        for (to, row) in self.rays.iter_mut().zip(rows) {
+            store16(to, row);
+        }
+        self.first = first;
+        self.next = end;
+        self.ready = u32::from(able & ordinary);
+        self.odd = u32::from(able & !ordinary);
+    }
+}
