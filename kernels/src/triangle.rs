@@ -27,7 +27,7 @@
 //!
 //! **Contact.** A ray that leaves a triangle starts, to rounding, in the plane of a coplanar neighbour,
 //! and must not meet it: there the sign of the distance decides, and an error of `uS` is too much.
-//! So where the distance along the main axis is less than [`CONTACT`] of the farthest corner's, it is
+//! So where the distance along the main axis is less than `CONTACT` of the farthest corner's, it is
 //! computed again in f64, from the plane of the corners as they are given, not sheared: an origin in
 //! that plane is at distance 0, and one above it by as little as `surface.rs` makes it is above it.
 //! Sheared corners' errors move a distance by up to `10u` times the farthest corner's, times length
