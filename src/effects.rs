@@ -7,7 +7,7 @@ mod shader;
 
 pub use shader::Shader;
 
-use crate::scene::{Bsdf, Light, Material, Projection, Scene, Sky};
+use crate::scene::{Light, Material, Projection, Scene, Sky};
 use crate::settings::{Integrator, LightSelection, Settings, Strategy};
 use serde::Serialize;
 
@@ -49,8 +49,9 @@ impl Effects {
             let object = &scene.objects[instance.object as usize];
             effects.add("instances", format!("object `{}`", object.name));
         }
-        effects.light(scene);
-        effects.surfaces(scene, transport);
+        let worn = scene.worn();
+        effects.light(scene, &worn);
+        effects.surfaces(scene, &worn, transport);
         if transport && settings.roulette {
             effects.add("roulette", "setting `roulette`");
         }
@@ -92,7 +93,7 @@ impl Effects {
         }
     }
 
-    fn light(&mut self, scene: &Scene) {
+    fn light(&mut self, scene: &Scene, worn: &[bool]) {
         if let Some(sky) = scene.sky.as_ref().filter(|sky| sky.shines()) {
             self.sky = true;
             let name = match sky {
@@ -110,18 +111,16 @@ impl Effects {
             self.add("delta lights", light_of(delta));
         }
         let emits = |m: &&Material| m.emits();
-        let worn = worn(scene);
-        let mut emitting = scene.materials.iter().zip(&worn).filter(|(_, w)| **w);
+        let mut emitting = scene.materials.iter().zip(worn).filter(|(_, w)| **w);
         if let Some((m, _)) = emitting.find(|(m, _)| emits(m)) {
             self.emission = true;
             self.add("emissive triangles", material(m));
         }
     }
 
-    fn surfaces(&mut self, scene: &Scene, transport: bool) {
-        let worn = worn(scene);
+    fn surfaces(&mut self, scene: &Scene, worn: &[bool], transport: bool) {
         let smooth = smooth(scene);
-        let mixed = mixed(scene);
+        let mixed = mixed(scene, worn);
         self.shaders = (0..scene.materials.len())
             .map(|i| match (transport, worn[i]) {
                 (true, true) => Shader::of(&scene.materials[i], smooth[i] || mixed[i]),
@@ -185,38 +184,15 @@ fn material(material: &Material) -> String {
     }
 }
 
-/// By material: whether any surface wears it, or a mixture of which it is part.
-fn worn(scene: &Scene) -> Vec<bool> {
-    let mut worn = scene.worn();
-    spread(scene, &mut worn);
-    worn
-}
-
 /// By material: whether it is part of a mixture that any surface wears.
-fn mixed(scene: &Scene) -> Vec<bool> {
-    let worn = worn(scene);
+fn mixed(scene: &Scene, worn: &[bool]) -> Vec<bool> {
     let mut mixed = vec![false; worn.len()];
-    for (m, worn) in scene.materials.iter().zip(worn) {
-        if let Bsdf::Mix { first, second, .. } = m.bsdf {
-            mixed[first as usize] |= worn;
-            mixed[second as usize] |= worn;
+    for (m, _) in scene.materials.iter().zip(worn).filter(|(_, worn)| **worn) {
+        for part in m.parts() {
+            mixed[part as usize] = true;
         }
     }
     mixed
-}
-
-/// Marks the parts of marked mixtures too.
-fn spread(scene: &Scene, marked: &mut [bool]) {
-    let mut stack: Vec<usize> = (0..marked.len()).filter(|&m| marked[m]).collect();
-    while let Some(m) = stack.pop() {
-        if let Bsdf::Mix { first, second, .. } = scene.materials[m].bsdf {
-            for part in [first as usize, second as usize] {
-                if !std::mem::replace(&mut marked[part], true) {
-                    stack.push(part);
-                }
-            }
-        }
-    }
 }
 
 /// By material: whether a surface that wears it has interpolated normals.

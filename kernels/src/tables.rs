@@ -10,7 +10,7 @@ use crate::vec3::{Columns, Vec3x};
 pub const SLOTS: usize = 20;
 
 /// All that shading reads. See each member for its lengths.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Tables<'a> {
     /// Triangles.
     pub triangles: Triangles<'a>,
@@ -23,7 +23,7 @@ pub struct Tables<'a> {
 }
 
 /// Triangle tables, world space.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Triangles<'a> {
     /// Vertex positions.
     pub vertices: &'a [[f32; 3]],
@@ -66,7 +66,7 @@ pub struct Materials<'a> {
 }
 
 /// Light tables: emissive triangles and spheres, then lights of no area, then the sky if there is one.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Lights<'a> {
     /// Alias method: probability to keep entry `i`.
     pub keep: &'a [f32],

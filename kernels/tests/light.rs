@@ -108,9 +108,8 @@ impl Scene {
                 vertices: &VERTICES,
                 indices: &INDICES,
                 material: &MATERIAL,
-                others: None,
+                ..Triangles::default()
             },
-            attributes: None,
             materials: Materials {
                 albedo,
                 emission: [&[1.0, 2.0], &[3.0, 4.0], &[5.0, 6.0]],
@@ -122,14 +121,12 @@ impl Scene {
                 keep: &self.keep,
                 alias: &self.alias,
                 source: &[0, 1, 2, SKY],
-                punctual: &[],
-                environment: None,
-                tree: None,
-                area_pdf: &[],
                 zenith: ZENITH.map(|c| c as f32),
                 nadir: NADIR.map(|c| c as f32),
                 sky_selection: self.sky_selection,
+                ..Lights::default()
             },
+            ..Tables::default()
         };
         let u = std::array::from_fn(|_| source.unit_lanes());
         sample_light(&tables, &anchor([0.0; 3]), u)
@@ -346,22 +343,16 @@ fn a_back_that_does_not_emit_is_no_valid_sample() {
             vertices: &VERTICES,
             indices: &INDICES,
             material: &MATERIAL,
-            others: None,
+            ..Triangles::default()
         },
         materials,
-        attributes: None,
         lights: Lights {
             keep: &[1.0],
             alias: &[0],
             source: &[2],
-            punctual: &[],
-            environment: None,
-            tree: None,
-            area_pdf: &[],
-            zenith: [0.0; 3],
-            nadir: [0.0; 3],
-            sky_selection: 0.0,
+            ..Lights::default()
         },
+        ..Tables::default()
     };
     let u = std::array::from_fn(|_| source.unit_lanes());
     assert!(sample_light(&tables, &anchor([0.0; 3]), u).valid.none());
@@ -378,9 +369,8 @@ fn where_light_passes_through_the_sky_is_sampled_all_around_and_rays_start_on_it
             vertices: &VERTICES,
             indices: &INDICES,
             material: &MATERIAL,
-            others: None,
+            ..Triangles::default()
         },
-        attributes: None,
         materials: Materials {
             albedo: [&[0.5; 2]; 3],
             emission: [&[1.0; 2]; 3],
@@ -392,14 +382,12 @@ fn where_light_passes_through_the_sky_is_sampled_all_around_and_rays_start_on_it
             keep: &[1.0],
             alias: &[0],
             source: &[SKY],
-            punctual: &[],
-            environment: None,
-            tree: None,
-            area_pdf: &[],
             zenith: [1.0; 3],
             nadir: [1.0; 3],
             sky_selection: 0.5,
+            ..Lights::default()
         },
+        ..Tables::default()
     };
     let anchor = Anchor {
         clearance: Fx::splat(0.25),

@@ -7,7 +7,7 @@ use huygens_kernels::lanes::{Fx, LANES, Ux};
 use huygens_kernels::light::{Departure, LightSample, PUNCTUAL, Punctual, beyond, sample_light};
 use huygens_kernels::rays::NO_PRIMITIVE;
 use huygens_kernels::surface::Anchor;
-use huygens_kernels::tables::{Lights, Materials, Tables, Triangles};
+use huygens_kernels::tables::{Lights, Tables};
 use huygens_kernels::vec3::Vec3x;
 
 /// Half a unit in the last place of 1: one rounding.
@@ -15,26 +15,14 @@ const ROUNDING: f64 = 1.0 / 16_777_216.0;
 
 fn tables<'a>(punctual: &'a [Punctual], keep: &'a [f32], source: &'a [u32]) -> Tables<'a> {
     Tables {
-        triangles: Triangles {
-            vertices: &[],
-            indices: &[],
-            material: &[],
-            others: None,
-        },
-        attributes: None,
-        materials: Materials::default(),
         lights: Lights {
             keep,
             alias: &[0, 1, 2, 3][..keep.len()],
             source,
             punctual,
-            environment: None,
-            tree: None,
-            area_pdf: &[],
-            zenith: [0.0; 3],
-            nadir: [0.0; 3],
-            sky_selection: 0.0,
+            ..Lights::default()
         },
+        ..Tables::default()
     }
 }
 

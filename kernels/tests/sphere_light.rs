@@ -31,10 +31,8 @@ fn with_lamp(h: f32, r: f32, test: impl Fn(&Tables, &Others, &Anchor)) {
     };
     let tables = Tables {
         triangles: Triangles {
-            vertices: &[],
-            indices: &[],
-            material: &[],
             others: Some(others),
+            ..Triangles::default()
         },
         materials: Materials {
             albedo: [ONE; 3],
@@ -43,19 +41,13 @@ fn with_lamp(h: f32, r: f32, test: impl Fn(&Tables, &Others, &Anchor)) {
             two_sided: &[u32::MAX],
             area_pdf: &[0.0],
         },
-        attributes: None,
         lights: Lights {
             keep: ONE,
             alias: &[0],
             source: &[0],
-            punctual: &[],
-            environment: None,
-            tree: None,
-            area_pdf: &[],
-            zenith: [0.0; 3],
-            nadir: [0.0; 3],
-            sky_selection: 0.0,
+            ..Lights::default()
         },
+        ..Tables::default()
     };
     let anchor = Anchor {
         point: Vec3x::splat([0.0; 3]),

@@ -5,14 +5,14 @@ mod stage;
 mod text;
 
 use crate::cli::failure::Failure;
+use crate::cli::json;
 use crate::cli::text::out;
-use huygens::film::output::{ensure_writable, write_atomically};
+use huygens::film::output::ensure_writable;
 use huygens::throughput::compare::{Comparison, SESSIONS_FLOOR, TURNS_FLOOR, Verdict, compare};
 use huygens::throughput::measure::Prepared;
 use huygens::throughput::suite::{SUITE, Standard};
 use miette::{IntoDiagnostic, WrapErr, miette};
 use report::{Report, SceneReport};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Measure throughput on the standard scenes
@@ -248,10 +248,7 @@ fn read(path: &Path) -> Result<Report, Failure> {
 
 fn finish(args: &Args, report: &Report) -> Result<(), Failure> {
     if let Some(path) = &args.save {
-        write_atomically(path, |to| -> std::io::Result<()> {
-            serde_json::to_writer_pretty(&mut *to, report)?;
-            to.write_all(b"\n")
-        })?;
+        json::write(path, report)?;
     }
     Ok(())
 }

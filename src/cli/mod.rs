@@ -7,6 +7,7 @@ mod failure;
 mod images;
 mod inspect;
 mod interrupt;
+mod json;
 mod load;
 mod memory;
 mod options;

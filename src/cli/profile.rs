@@ -3,6 +3,7 @@
 mod text;
 
 use crate::cli::failure::{Failure, warn};
+use crate::cli::json;
 use crate::cli::load::load;
 use crate::cli::options::{self, ImageOptions, SceneOptions, WorkOptions};
 use crate::cli::progress::Progress;
@@ -153,10 +154,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     };
     out(&profile.text());
     if let Some(path) = &args.json {
-        write_atomically(path, |to| -> std::io::Result<()> {
-            serde_json::to_writer_pretty(&mut *to, &profile)?;
-            to.write_all(b"\n")
-        })?;
+        json::write(path, &profile)?;
     }
     if let Some(path) = &args.trace {
         write_atomically(path, |to| trace::write(to, &scene.name, &render.timelines))?;

@@ -1,15 +1,15 @@
 //! `--stats`: the numbers of a render for scripts. The layout is an interface: `docs/stats.md`
 //! documents it, and a test holds the two together.
 
+use crate::cli::json;
 use crate::cli::until::UntilOptions;
 use huygens::effects::light_selection;
-use huygens::film::output::{OutputError, write_atomically};
+use huygens::film::output::OutputError;
 use huygens::scene::{Filter, Scene};
 use huygens::settings::{Integrator, LightSelection, Preset, Sampler, Strategy};
 use huygens::wave::Dropped;
 use huygens::wave::{RenderStats, StageStats};
 use serde::Serialize;
-use std::io::Write;
 use std::path::Path;
 
 /// Version of the layout. It grows when a field changes its meaning or goes; new fields may appear
@@ -225,10 +225,7 @@ impl Stats {
 
     /// Writes them to `path`, atomically.
     pub(crate) fn write(&self, path: &Path) -> Result<(), OutputError> {
-        write_atomically(path, |writer| -> std::io::Result<()> {
-            serde_json::to_writer_pretty(&mut *writer, self)?;
-            writer.write_all(b"\n")
-        })
+        json::write(path, self)
     }
 }
 

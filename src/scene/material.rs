@@ -222,6 +222,15 @@ impl Material {
         }
     }
 
+    /// The materials that it is a mixture of.
+    pub fn parts(&self) -> impl Iterator<Item = u32> {
+        let parts = match self.bsdf {
+            Bsdf::Mix { first, second, .. } => Some([first, second]),
+            _ => None,
+        };
+        parts.into_iter().flatten()
+    }
+
     /// Whether it emits at all.
     #[must_use]
     pub fn emits(&self) -> bool {

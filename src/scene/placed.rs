@@ -174,7 +174,7 @@ impl Scene {
         self.mesh.triangles() + objects.sum::<usize>()
     }
 
-    /// By material, whether any surface wears it.
+    /// By material, whether any surface wears it, or a mixture of which it is part.
     #[must_use]
     pub fn worn(&self) -> Vec<bool> {
         let mut worn = vec![false; self.materials.len()];
@@ -194,6 +194,14 @@ impl Scene {
         for (object, _) in self.objects.iter().zip(own).filter(|(_, own)| *own) {
             for &m in &object.mesh.material {
                 worn[m as usize] = true;
+            }
+        }
+        let mut mixtures: Vec<usize> = (0..worn.len()).filter(|&m| worn[m]).collect();
+        while let Some(m) = mixtures.pop() {
+            for part in self.materials[m].parts() {
+                if !std::mem::replace(&mut worn[part as usize], true) {
+                    mixtures.push(part as usize);
+                }
             }
         }
         worn

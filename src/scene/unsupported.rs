@@ -11,11 +11,7 @@ impl Scene {
     /// for.
     #[must_use]
     pub fn unsupported(&self) -> Option<String> {
-        let mut worn = vec![false; self.materials.len()];
-        for &material in &self.mesh.material {
-            worn[material as usize] = true;
-        }
-        let mut all = self.materials.iter().zip(worn);
+        let mut all = self.materials.iter().zip(self.worn());
         all.find_map(|(m, worn)| {
             let what = lacking(m).filter(|_| worn)?;
             Some(format!(
@@ -24,17 +20,14 @@ impl Scene {
             ))
         })
     }
-}
 
-impl Scene {
     /// Why the reference tracer would give another image than the wave, if so: it knows Lambertian
     /// surfaces alone.
     #[must_use]
     pub fn beyond_reference(&self) -> Option<String> {
         let matt = |m: &Material| matches!(m.bsdf, Bsdf::Diffuse { roughness: 0.0, .. });
-        let mut worn = self.mesh.material.iter();
-        let other = worn.find(|&&m| !matt(&self.materials[m as usize]))?;
-        let name = &self.materials[*other as usize].name;
+        let mut all = self.materials.iter().zip(self.worn());
+        let (Material { name, .. }, _) = all.find(|(m, worn)| *worn && !matt(m))?;
         Some(format!(
             "material `{name}` is not Lambertian, and the reference tracer knows no other surfaces"
         ))

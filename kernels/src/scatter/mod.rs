@@ -14,8 +14,9 @@ pub mod light_up;
 pub mod plain;
 pub mod respond;
 
+use crate::compact::Kept;
 use crate::hemisphere::{UNIFORM_PDF, cosine_pdf, sample_cosine, sample_uniform};
-use crate::lanes::Fx;
+use crate::lanes::{Fx, Mask, Ux, store, store_u32};
 use crate::queues::{Identity, PathsMut, ShadowsMut};
 use crate::sampler::{Block, Sampler, block};
 use crate::vec3::Vec3x;
@@ -109,6 +110,67 @@ pub struct Out<'a> {
     pub shadows: ShadowsMut<'a>,
     /// Occlusion rays already in `shadows`.
     pub shadow_len: usize,
+}
+
+/// A vector of scattered rays: what a path takes on beside its identity.
+struct Scattered {
+    origin: Vec3x,
+    direction: Vec3x,
+    throughput: Vec3x,
+    pdf: Fx,
+    leaves: Ux,
+    /// Set in `bounces` beside the count.
+    marks: u32,
+}
+
+/// A vector of occlusion rays, without the identity of their paths.
+struct Cast {
+    origin: Vec3x,
+    segment: Vec3x,
+    t_max: Fx,
+    leaves: Ux,
+    reaches: Ux,
+    radiance: Vec3x,
+}
+
+impl Out<'_> {
+    /// Writes item `i` and on of a list behind the lists before it. Whoever has written a whole list
+    /// raises `path_len`.
+    #[inline(always)]
+    fn scatter(&mut self, i: usize, path: &Identity, ray: &Scattered) {
+        let to = self.path_len + i;
+        let p = &mut self.paths;
+        ray.origin.store(&mut p.origin, to);
+        ray.direction.store(&mut p.direction, to);
+        ray.throughput.store(&mut p.throughput, to);
+        store(p.pdf, to, ray.pdf);
+        store_u32(p.leaves, to, ray.leaves);
+        store_u32(p.slot, to, path.slot);
+        store_u32(p.pixel, to, path.pixel);
+        store_u32(p.sample, to, path.sample);
+        store_u32(
+            p.bounces,
+            to,
+            (path.bounces + Ux::ONE) | Ux::splat(ray.marks),
+        );
+    }
+
+    /// Appends the occlusion rays in the lanes that `carry` light.
+    #[inline(always)]
+    fn cast(&mut self, carry: Mask, path: &Identity, ray: &Cast) {
+        let kept = Kept::new(carry);
+        let to = self.shadow_len;
+        let s = &mut self.shadows;
+        kept.store3(&mut s.origin, to, ray.origin);
+        kept.store3(&mut s.direction, to, ray.segment);
+        kept.store(s.t_max, to, ray.t_max);
+        kept.store3(&mut s.radiance, to, ray.radiance);
+        kept.store_u32(s.leaves, to, ray.leaves);
+        kept.store_u32(s.reaches, to, ray.reaches);
+        kept.store_u32(s.slot, to, path.slot);
+        kept.store_u32(s.bounces, to, path.bounces);
+        self.shadow_len += kept.count;
+    }
 }
 
 /// The four numbers that `path` draws for `what`.

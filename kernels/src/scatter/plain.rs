@@ -14,11 +14,10 @@
 //!
 //! Bytes: [`SCATTER`] a path, [`SHADOW`] an occlusion ray.
 
-use super::{Directions, NextEvent, Out, draw};
-use crate::compact::Kept;
+use super::{Cast, Directions, NextEvent, Out, Scattered, draw};
 use crate::cost::{Cost, columns, item};
 use crate::hemisphere::to_world;
-use crate::lanes::{Fx, Ux, as_mask, store, store_u32};
+use crate::lanes::{Fx, as_mask};
 use crate::light::sample_light;
 use crate::math::INV_PI;
 use crate::queues::{Listed, PathHitsMut, PathsMut, ShadowsMut};
@@ -67,17 +66,15 @@ pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(
         let [u, v, ..] = draw(sampler, &path, Block::Direction);
         let local = D::sample(u, v);
         let next = to_world(surface.normal, local);
-        let to = out.path_len + i;
-        let p = &mut out.paths;
-        surface.origin.store(&mut p.origin, to);
-        next.store(&mut p.direction, to);
-        (reflected * D::weight(local.z)).store(&mut p.throughput, to);
-        store(p.pdf, to, D::pdf(local.z));
-        store_u32(p.leaves, to, primitive);
-        store_u32(p.slot, to, path.slot);
-        store_u32(p.pixel, to, path.pixel);
-        store_u32(p.sample, to, path.sample);
-        store_u32(p.bounces, to, path.bounces + Ux::ONE);
+        let ray = Scattered {
+            origin: surface.origin,
+            direction: next,
+            throughput: reflected * D::weight(local.z),
+            pdf: D::pdf(local.z),
+            leaves: primitive,
+            marks: 0,
+        };
+        out.scatter(i, &path, &ray);
 
         if N::LIGHTS {
             let u = draw(sampler, &path, Block::Light);
@@ -95,18 +92,15 @@ pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(
                 & cos.simd_gt(Fx::ZERO)
                 & !as_mask(light.primitive.simd_eq(primitive))
                 & radiance.max_component().simd_gt(Fx::ZERO);
-            let kept = Kept::new(carries);
-            let to = out.shadow_len;
-            let s = &mut out.shadows;
-            kept.store3(&mut s.origin, to, light.origin);
-            kept.store3(&mut s.direction, to, light.segment);
-            kept.store(s.t_max, to, light.t_max);
-            kept.store3(&mut s.radiance, to, radiance);
-            kept.store_u32(s.leaves, to, primitive);
-            kept.store_u32(s.reaches, to, light.primitive);
-            kept.store_u32(s.slot, to, path.slot);
-            kept.store_u32(s.bounces, to, path.bounces);
-            out.shadow_len += kept.count;
+            let ray = Cast {
+                origin: light.origin,
+                segment: light.segment,
+                t_max: light.t_max,
+                leaves: primitive,
+                reaches: light.primitive,
+                radiance,
+            };
+            out.cast(carries, &path, &ray);
         }
     }
     out.path_len += listed.len;

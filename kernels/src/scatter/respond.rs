@@ -11,13 +11,12 @@
 //!
 //! Bytes: [`PATH`] a row, [`SHADOW`] an occlusion ray.
 
-use super::{NextEvent, Out};
+use super::{Cast, NextEvent, Out, Scattered};
 use crate::bsdf::Bsdf;
-use crate::compact::Kept;
 use crate::cost::{Cost, columns, item};
 use crate::hemisphere::Frame;
 use crate::interpolate::terminator;
-use crate::lanes::{Fx, LANES, Mask, Ux, as_mask, first, load, load_u32, padded, store, store_u32};
+use crate::lanes::{Fx, LANES, Mask, as_mask, first, load, load_u32, padded};
 use crate::mis::power_heuristic;
 use crate::queues::{
     BOTH_SIDES, Drawn, DrawnMut, Listed, Lit, LitMut, PathsMut, ShadowsMut, Smooth, Surfaces,
@@ -113,18 +112,15 @@ pub fn respond<K: Kind, N: NextEvent>(rows: Rows, materials: &Materials, out: &m
         let carried = softened(carried, next);
         let clearance = load(surfaces.clearance, i);
         let origin = normal.scale_add(clearance.copysign(side), Vec3x::load(surfaces.point, i));
-        let to = out.path_len + i;
-        let p = &mut out.paths;
-        origin.store(&mut p.origin, to);
-        next.store(&mut p.direction, to);
-        throughput.product(carried).store(&mut p.throughput, to);
-        store(p.pdf, to, sampled.pdf);
-        store_u32(p.leaves, to, primitive);
-        store_u32(p.slot, to, path.slot);
-        store_u32(p.pixel, to, path.pixel);
-        store_u32(p.sample, to, path.sample);
-        let mark = if K::PASSES { BOTH_SIDES } else { 0 };
-        store_u32(p.bounces, to, (path.bounces + Ux::ONE) | Ux::splat(mark));
+        let ray = Scattered {
+            origin,
+            direction: next,
+            throughput: throughput.product(carried),
+            pdf: sampled.pdf,
+            leaves: primitive,
+            marks: if K::PASSES { BOTH_SIDES } else { 0 },
+        };
+        out.scatter(i, &path, &ray);
 
         if N::LIGHTS && !K::DELTA {
             let direction = Vec3x::load(lit.direction, i);
@@ -144,18 +140,15 @@ pub fn respond<K: Kind, N: NextEvent>(rows: Rows, materials: &Materials, out: &m
                 & agree(normal.dot(direction), omega_i.z)
                 & !as_mask(reached.simd_eq(primitive))
                 & radiance.max_component().simd_gt(Fx::ZERO);
-            let kept = Kept::new(carries);
-            let to = out.shadow_len;
-            let s = &mut out.shadows;
-            kept.store3(&mut s.origin, to, Vec3x::load(lit.origin, i));
-            kept.store3(&mut s.direction, to, Vec3x::load(lit.segment, i));
-            kept.store(s.t_max, to, load(lit.t_max, i));
-            kept.store3(&mut s.radiance, to, radiance);
-            kept.store_u32(s.leaves, to, primitive);
-            kept.store_u32(s.reaches, to, reached);
-            kept.store_u32(s.slot, to, path.slot);
-            kept.store_u32(s.bounces, to, path.bounces);
-            out.shadow_len += kept.count;
+            let ray = Cast {
+                origin: Vec3x::load(lit.origin, i),
+                segment: Vec3x::load(lit.segment, i),
+                t_max: load(lit.t_max, i),
+                leaves: primitive,
+                reaches: reached,
+                radiance,
+            };
+            out.cast(carries, &path, &ray);
         }
     }
     out.path_len += n;

@@ -1,10 +1,10 @@
 //! `--json`: a study for scripts. The layout is an interface: `docs/accuracy.md` documents it, and a
 //! test holds the two together.
 
+use crate::cli::json;
 use huygens::accuracy::{Curve, LEVEL, Ladder, Problem, Study, Target};
-use huygens::film::output::{OutputError, write_atomically};
+use huygens::film::output::OutputError;
 use serde::Serialize;
-use std::io::Write;
 use std::path::Path;
 
 /// Version of the layout. It grows when a field changes its meaning or goes; new fields may appear
@@ -58,10 +58,7 @@ impl<'a> Report<'a> {
 
     /// Writes it to `path`, atomically.
     pub(crate) fn write(&self, path: &Path) -> Result<(), OutputError> {
-        write_atomically(path, |writer| -> std::io::Result<()> {
-            serde_json::to_writer_pretty(&mut *writer, self)?;
-            writer.write_all(b"\n")
-        })
+        json::write(path, self)
     }
 }
 

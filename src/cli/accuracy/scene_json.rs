@@ -2,11 +2,11 @@
 
 use super::json::SCHEMA;
 use super::scene::Done;
+use crate::cli::json;
 use huygens::accuracy::LEVEL;
 use huygens::accuracy::scene::SceneCurve;
-use huygens::film::output::{OutputError, write_atomically};
+use huygens::film::output::OutputError;
 use serde::Serialize;
-use std::io::Write;
 use std::path::Path;
 
 /// The whole file.
@@ -94,10 +94,7 @@ impl<'a> Report<'a> {
 
     /// Writes it to `path`, atomically.
     pub(super) fn write(&self, path: &Path) -> Result<(), OutputError> {
-        write_atomically(path, |writer| -> std::io::Result<()> {
-            serde_json::to_writer_pretty(&mut *writer, self)?;
-            writer.write_all(b"\n")
-        })
+        json::write(path, self)
     }
 }
 
