@@ -44,6 +44,14 @@ pub(super) fn load8(from: &[f32; 8]) -> __m256 {
     unsafe { _mm256_loadu_ps(from.as_ptr()) }
 }
 
+/// Eight numbers, as bytes.
+#[inline]
+#[target_feature(enable = "avx512f")]
+pub(super) fn load8_bytes(from: &[u8; 32]) -> __m256 {
+    // SAFETY: as `load16`.
+    unsafe { _mm256_loadu_ps(from.as_ptr().cast()) }
+}
+
 /// Four integers.
 #[inline]
 #[target_feature(enable = "avx512f")]
