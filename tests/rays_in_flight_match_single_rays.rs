@@ -10,7 +10,7 @@ use huygens_kernels::bvh::Bvh;
 use huygens_kernels::few::{Few, Triangle};
 use huygens_kernels::lanes::padded;
 use huygens_kernels::rays::{Hits, NO_PRIMITIVE, Rays, Segments};
-use huygens_kernels::{few, flight, packet, traverse};
+use huygens_kernels::{few, flight, many, packet, traverse};
 use tracing::{Random, RaySet, bumpy_sphere, cube, moved, random_soup, soup};
 
 /// Hits and occlusion as bits, every column that is not unspecified.
@@ -342,8 +342,54 @@ fn without_a_tree() {
                 |r, h| few::closest(few, r, h),
                 |s, o| few::occluded(few, s, o),
             );
-            assert!(found == alone(geometry.bvh(), &rays), "{n} rays");
+            let expected = alone(geometry.bvh(), &rays);
+            assert!(found == expected, "{n} rays");
+            // By AVX-512 where there is any.
+            let found = answers(
+                &rays,
+                |r, h| many::closest_of_few(few, r, h),
+                |s, o| many::occluded_by_few(few, s, o),
+            );
+            assert!(found == expected, "{n} rays, {} form", many::form());
         }
+    }
+}
+
+#[test]
+fn without_a_tree_at_edges_and_along_axes() {
+    // Every ray through a lattice on which the cube's edges and corners lie: most are in doubt.
+    let mesh = cube();
+    let geometry = Geometry::build(&mesh);
+    let few = Few {
+        vertices: &mesh.vertices,
+        triangles: &all(&mesh),
+    };
+    let mut random = Random(56);
+    let mut rays = RaySet::default();
+    for i in 0..4000 {
+        let coarse = |x: f32| (2.0 * x).round() * 0.5;
+        let origin = random.point().map(|p| coarse(1.6 * p));
+        let length = 10f32.powi(i % 83 - 44);
+        rays.push(origin, random.point().map(|p| length * coarse(p)));
+        rays.t_max[i as usize] = 2.0 / length;
+        rays.leaves[i as usize] = random.below(24) as u32;
+    }
+    let expected = alone(geometry.bvh(), &rays);
+    assert!(expected.iter().filter(|e| e.0 != NO_PRIMITIVE).count() > 800);
+    let portable = answers(
+        &rays,
+        |r, h| few::closest(few, r, h),
+        |s, o| few::occluded(few, s, o),
+    );
+    let fastest = answers(
+        &rays,
+        |r, h| many::closest_of_few(few, r, h),
+        |s, o| many::occluded_by_few(few, s, o),
+    );
+    for i in 0..rays.len() {
+        let ray = (rays.origin[i], rays.direction[i], rays.t_max[i]);
+        assert_eq!(portable[i], fastest[i], "{ray:?}, {} form", many::form());
+        assert_eq!(portable[i], expected[i], "{ray:?}");
     }
 }
 

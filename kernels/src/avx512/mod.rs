@@ -25,6 +25,7 @@
 //!
 //! Input and output: as `traverse.rs`.
 
+pub mod few;
 mod leaf;
 mod node;
 mod prepare;

@@ -10,6 +10,7 @@ use crate::bvh::Bvh;
 use crate::rays::{Rays, Segments};
 use crate::vec3::Columns;
 use std::arch::x86_64::*;
+use std::ops::Range;
 
 /// Rays that are ready and wait for a slot.
 #[repr(align(64))]
@@ -115,44 +116,20 @@ impl Stage {
     ) {
         let first = self.next;
         let end = len.min(first + 16);
-        let o = origin.map(|column| load_part(column, first, end));
-        let d = direction.map(|column| load_part(column, first, end));
         let leaves = load_part(bytemuck::cast_slice(leaves), first, end);
-        let [x, y, z] = d.map(|d| _mm512_abs_ps(d));
-        let largest = _mm512_max_ps(x, _mm512_max_ps(y, z));
-        // A ray can meet something if all numbers are finite and it goes somewhere.
-        let mut able = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(
-            lanes_below(end - first),
-            largest,
-            _mm512_setzero_ps(),
-        );
-        for number in [o, d].as_flattened() {
-            let most = _mm512_set1_ps(f32::MAX);
-            let size = _mm512_abs_ps(*number);
-            able = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(able, size, most);
-        }
-        // Exponents 1 to 253: the power of two that undoes them is a normal number.
-        let exponent = _mm512_srli_epi32::<23>(_mm512_castps_si512(largest));
-        let one_less = _mm512_sub_epi32(exponent, _mm512_set1_epi32(1));
-        let mut ordinary = _mm512_cmplt_epu32_mask(one_less, _mm512_set1_epi32(253));
-        let scale = _mm512_sub_epi32(_mm512_set1_epi32(254), exponent);
-        let scale = _mm512_castsi512_ps(_mm512_slli_epi32::<23>(scale));
-        let d = d.map(|d| _mm512_mul_ps(d, scale));
-        let inverse = d.map(|d| _mm512_div_ps(_mm512_set1_ps(1.0), d));
-
-        // The largest component's axis; of equally large ones the last.
-        let x_main =
-            _mm512_cmp_ps_mask::<_CMP_GT_OQ>(x, y) & _mm512_cmp_ps_mask::<_CMP_GT_OQ>(x, z);
-        let y_main = !x_main & _mm512_cmp_ps_mask::<_CMP_GT_OQ>(y, z);
-        // One of three, by main axis.
-        let by_main = |[x, y, z]: [__m512; 3]| {
-            _mm512_mask_mov_ps(_mm512_mask_mov_ps(z, y_main, y), x_main, x)
-        };
-        let permute =
-            |[x, y, z]: [__m512; 3]| [by_main([y, z, x]), by_main([z, x, y]), by_main([x, y, z])];
-        let axes = permute([0, 1, 2].map(|axis| _mm512_castsi512_ps(_mm512_set1_epi32(axis))));
-        let [d0, d1, main] = permute(d);
-        let permuted = permute(o);
+        let sixteen = Sixteen::new(origin, direction, first..end);
+        let Sixteen {
+            o,
+            d,
+            scale,
+            inverse,
+            ..
+        } = sixteen;
+        let [mut able, mut ordinary] = [sixteen.able, sixteen.ordinary];
+        let axes = [0, 1, 2].map(|axis| _mm512_castsi512_ps(_mm512_set1_epi32(axis)));
+        let axes = sixteen.permute(axes);
+        let permuted = sixteen.permute(o);
+        let slope = sixteen.slope();
         let pack = |[a, b, c]: [__m512i; 3]| {
             let bc = _mm512_or_si512(_mm512_slli_epi32::<8>(b), _mm512_slli_epi32::<16>(c));
             _mm512_castsi512_ps(_mm512_or_si512(a, bc))
@@ -185,9 +162,9 @@ impl Stage {
             permuted[0],
             permuted[1],
             permuted[2],
-            _mm512_div_ps(d0, main),
-            _mm512_div_ps(d1, main),
-            by_main(inverse),
+            slope[0],
+            slope[1],
+            sixteen.by_main(inverse),
             near,
             pack(axes.map(|axis| _mm512_castps_si512(axis))),
             span,
@@ -203,6 +180,93 @@ impl Stage {
         self.next = end;
         self.ready = u32::from(able & ordinary);
         self.odd = u32::from(able & !ordinary);
+    }
+}
+
+/// Sixteen rays, with directions that have their largest component in [1, 2).
+pub(super) struct Sixteen {
+    /// Those that can meet something: all numbers are finite, and they go somewhere.
+    pub(super) able: __mmask16,
+    /// Those whose direction came to its unit by a power of two that is a normal number, as is its
+    /// reciprocal.
+    pub(super) ordinary: __mmask16,
+    /// That power.
+    pub(super) scale: __m512,
+    /// Origins.
+    pub(super) o: [__m512; 3],
+    /// Directions.
+    pub(super) d: [__m512; 3],
+    /// Their reciprocals.
+    pub(super) inverse: [__m512; 3],
+    x_main: __mmask16,
+    y_main: __mmask16,
+}
+
+impl Sixteen {
+    /// The rays of the columns' `range`, up to sixteen.
+    #[inline]
+    #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+    pub(super) fn new(origin: Columns, direction: Columns, range: Range<usize>) -> Self {
+        let o = origin.map(|column| load_part(column, range.start, range.end));
+        let d = direction.map(|column| load_part(column, range.start, range.end));
+        let [x, y, z] = d.map(|d| _mm512_abs_ps(d));
+        let largest = _mm512_max_ps(x, _mm512_max_ps(y, z));
+        let mut able = _mm512_mask_cmp_ps_mask::<_CMP_GT_OQ>(
+            lanes_below(range.len()),
+            largest,
+            _mm512_setzero_ps(),
+        );
+        for number in [o, d].as_flattened() {
+            let most = _mm512_set1_ps(f32::MAX);
+            let size = _mm512_abs_ps(*number);
+            able = _mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(able, size, most);
+        }
+        // Exponents 1 to 253: the power of two that undoes them is a normal number.
+        let exponent = _mm512_srli_epi32::<23>(_mm512_castps_si512(largest));
+        let one_less = _mm512_sub_epi32(exponent, _mm512_set1_epi32(1));
+        let ordinary = _mm512_cmplt_epu32_mask(one_less, _mm512_set1_epi32(253));
+        let scale = _mm512_sub_epi32(_mm512_set1_epi32(254), exponent);
+        let scale = _mm512_castsi512_ps(_mm512_slli_epi32::<23>(scale));
+        let d = d.map(|d| _mm512_mul_ps(d, scale));
+        // The largest component's axis; of equally large ones the last.
+        let x_main =
+            _mm512_cmp_ps_mask::<_CMP_GT_OQ>(x, y) & _mm512_cmp_ps_mask::<_CMP_GT_OQ>(x, z);
+        Self {
+            able,
+            ordinary,
+            scale,
+            o,
+            d,
+            inverse: d.map(|d| _mm512_div_ps(_mm512_set1_ps(1.0), d)),
+            x_main,
+            y_main: !x_main & _mm512_cmp_ps_mask::<_CMP_GT_OQ>(y, z),
+        }
+    }
+
+    /// One of three, by main axis.
+    #[inline]
+    #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+    pub(super) fn by_main(&self, [x, y, z]: [__m512; 3]) -> __m512 {
+        _mm512_mask_mov_ps(_mm512_mask_mov_ps(z, self.y_main, y), self.x_main, x)
+    }
+
+    /// Along the axes first, second, main.
+    #[inline]
+    #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+    pub(super) fn permute(&self, [x, y, z]: [__m512; 3]) -> [__m512; 3] {
+        [
+            self.by_main([y, z, x]),
+            self.by_main([z, x, y]),
+            self.by_main([x, y, z]),
+        ]
+    }
+
+    /// The direction's first and second component over its main one.
+    #[inline]
+    #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+    pub(super) fn slope(&self) -> [__m512; 2] {
+        let [d0, d1, main] = self.permute(self.d);
+        [_mm512_div_ps(d0, main), _mm512_div_ps(d1, main)]
     }
 }
 
