@@ -32,6 +32,8 @@ pub struct Effects {
     pub sky: bool,
     /// Whether surfaces emit.
     pub emission: bool,
+    /// Whether surfaces disperse light: paths carry a wavelength.
+    pub dispersion: bool,
 }
 
 impl Effects {
@@ -132,6 +134,10 @@ impl Effects {
             if let Some(i) = (0..worn.len()).find(calls) {
                 let reason = material(&scene.materials[i]);
                 self.add(shader.name(), reason);
+                if shader.disperses() && !self.dispersion {
+                    self.dispersion = true;
+                    self.add("dispersion", material(&scene.materials[i]));
+                }
             }
         }
         if let Some(i) = smooth.iter().position(|&s| s).filter(|_| transport) {

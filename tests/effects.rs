@@ -5,6 +5,7 @@ mod common;
 use common::scenes;
 use huygens::film::Film;
 use huygens::geometry::Geometry;
+use huygens::scene::material::{Cauchy, Dielectric};
 use huygens::scene::{Bsdf, Scene};
 use huygens::settings::{Settings, Strategy};
 use huygens::wave::{self, Control, Plan};
@@ -153,4 +154,34 @@ fn a_rough_wall_adds_its_own_stages_and_queues() {
     assert_eq!(ran(&scene, &settings()), after.stages);
     assert!(after.effects.iter().any(|e| e.name == "rough diffuse"
         && e.reason == format!("material `{}`", scene.materials[0].name)));
+}
+
+/// Dispersion is asked for by a glass that disperses, and adds a stage and a column a path.
+#[test]
+fn a_dispersive_glass_adds_wavelengths_and_plain_glass_does_not() {
+    let with = |dispersion| {
+        let mut scene = scenes::cornell_box(16);
+        scene.materials[0].bsdf = Bsdf::Dielectric(Box::new(Dielectric {
+            dispersion,
+            ..Dielectric::default()
+        }));
+        scene
+    };
+    let plain = plan(&with(None), &settings());
+    assert!(!plain.stages.contains(&"disperse"));
+    assert!(!queues(&plain).iter().any(|q| q.0.contains("wavelengths")));
+    let scene = with(Some(Cauchy::from_abbe(1.5, 40.0)));
+    let dispersive = plan(&scene, &settings());
+    let glass = scene.materials[0].name.clone();
+    let reason = |name: &str| dispersive.effects.iter().find(|e| e.name == name);
+    assert_eq!(
+        reason("dispersion").expect("an effect").reason,
+        format!("material `{glass}`")
+    );
+    assert!(dispersive.stages.contains(&"disperse"));
+    for queue in ["wavelengths", "scattered wavelengths"] {
+        let found = queues(&dispersive).into_iter().find(|q| q.0 == queue);
+        assert_eq!(found.expect(queue).1, ["wavelength"]);
+    }
+    assert_eq!(ran(&scene, &settings()), dispersive.stages);
 }

@@ -52,6 +52,14 @@ soa! {
     }
 }
 
+soa! {
+    /// The wavelengths of [`Paths`], item by item, where something disperses light.
+    pub struct Wavelengths, WavelengthsMut {
+        /// In nanometres; 0 while the path carries all of them.
+        wavelength: F32,
+    }
+}
+
 /// Some of the wave's paths at the ends of their rays: what a shading kernel is given.
 #[derive(Clone, Copy, Debug)]
 pub struct Listed<'a> {

@@ -98,6 +98,8 @@ pub struct Parameters<'a> {
     pub materials: &'a Materials<'a>,
     /// The material in each lane.
     pub material: Ux,
+    /// The wavelength in each lane, nanometres; for kinds that disperse.
+    pub wavelength: Fx,
 }
 
 impl Parameters<'_> {

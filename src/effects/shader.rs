@@ -21,6 +21,10 @@ pub enum Shader {
     SmoothDielectric,
     /// Frosted glass.
     RoughDielectric,
+    /// Clear glass whose index depends on the wavelength.
+    SmoothDispersive,
+    /// Frosted glass whose index depends on the wavelength.
+    RoughDispersive,
     /// The metallic-roughness model, where nothing passes.
     Principled,
     /// The same where light passes.
@@ -31,7 +35,7 @@ pub enum Shader {
 
 impl Shader {
     /// All there are, in the order in which they run.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Plain,
         Self::Diffuse,
         Self::RoughDiffuse,
@@ -39,6 +43,8 @@ impl Shader {
         Self::RoughConductor,
         Self::SmoothDielectric,
         Self::RoughDielectric,
+        Self::SmoothDispersive,
+        Self::RoughDispersive,
         Self::Principled,
         Self::PrincipledGlass,
         Self::Mix,
@@ -55,6 +61,8 @@ impl Shader {
             Self::RoughConductor => "rough conductor",
             Self::SmoothDielectric => "smooth dielectric",
             Self::RoughDielectric => "rough dielectric",
+            Self::SmoothDispersive => "smooth dispersive dielectric",
+            Self::RoughDispersive => "rough dispersive dielectric",
             Self::Principled => "principled",
             Self::PrincipledGlass => "principled glass",
             Self::Mix => "mix",
@@ -72,6 +80,8 @@ impl Shader {
             Self::RoughConductor => "shade: rough conductor",
             Self::SmoothDielectric => "shade: smooth dielectric",
             Self::RoughDielectric => "shade: rough dielectric",
+            Self::SmoothDispersive => "shade: smooth dispersive dielectric",
+            Self::RoughDispersive => "shade: rough dispersive dielectric",
             Self::Principled => "shade: principled",
             Self::PrincipledGlass => "shade: principled glass",
             Self::Mix => "shade: mix",
@@ -81,7 +91,10 @@ impl Shader {
     /// Whether light can only be found by following its directions.
     #[must_use]
     pub fn is_delta(self) -> bool {
-        matches!(self, Self::SmoothConductor | Self::SmoothDielectric)
+        matches!(
+            self,
+            Self::SmoothConductor | Self::SmoothDielectric | Self::SmoothDispersive
+        )
     }
 
     /// Whether light passes through.
@@ -89,8 +102,18 @@ impl Shader {
     pub fn passes(self) -> bool {
         matches!(
             self,
-            Self::SmoothDielectric | Self::RoughDielectric | Self::PrincipledGlass
+            Self::SmoothDielectric
+                | Self::RoughDielectric
+                | Self::SmoothDispersive
+                | Self::RoughDispersive
+                | Self::PrincipledGlass
         )
+    }
+
+    /// Whether what it does depends on the wavelength.
+    #[must_use]
+    pub fn disperses(self) -> bool {
+        matches!(self, Self::SmoothDispersive | Self::RoughDispersive)
     }
 
     /// The shader of a material; `bent` if it cannot be plain: a surface that wears it has
@@ -110,8 +133,17 @@ impl Shader {
             }
             Bsdf::Conductor { roughness, .. } if polished(roughness) => Self::SmoothConductor,
             Bsdf::Conductor { .. } => Self::RoughConductor,
-            Bsdf::Dielectric(glass) if polished(&glass.roughness) => Self::SmoothDielectric,
-            Bsdf::Dielectric(_) => Self::RoughDielectric,
+            Bsdf::Dielectric(glass) => {
+                // What passes a pane is not bent: nothing to tell wavelengths apart by but a trace in
+                // what is reflected.
+                let disperses = glass.dispersion.is_some() && !glass.thin;
+                match (polished(&glass.roughness), disperses) {
+                    (true, false) => Self::SmoothDielectric,
+                    (false, false) => Self::RoughDielectric,
+                    (true, true) => Self::SmoothDispersive,
+                    (false, true) => Self::RoughDispersive,
+                }
+            }
             Bsdf::Principled(p) if passes(p) => Self::PrincipledGlass,
             Bsdf::Principled(_) => Self::Principled,
             Bsdf::Mix { .. } => Self::Mix,

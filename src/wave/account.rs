@@ -23,6 +23,7 @@ pub(crate) enum Stage {
     Sky,
     Emission,
     Branch,
+    Disperse,
     Interact,
     Light,
     Scatter(Shader),
@@ -32,7 +33,7 @@ pub(crate) enum Stage {
 }
 
 impl Stage {
-    const COUNT: usize = 11 + Shader::ALL.len();
+    const COUNT: usize = 12 + Shader::ALL.len();
 
     /// All stages.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
@@ -43,6 +44,7 @@ impl Stage {
             Self::Sky,
             Self::Emission,
             Self::Branch,
+            Self::Disperse,
             Self::Interact,
             Self::Light,
         ];
@@ -62,9 +64,10 @@ impl Stage {
             Self::Sky => 3,
             Self::Emission => 4,
             Self::Branch => 5,
-            Self::Interact => 6,
-            Self::Light => 7,
-            Self::Scatter(shader) => 8 + shader as usize,
+            Self::Disperse => 6,
+            Self::Interact => 7,
+            Self::Light => 8,
+            Self::Scatter(shader) => 9 + shader as usize,
             Self::Occlude => Self::COUNT - 3,
             Self::Roulette => Self::COUNT - 2,
             Self::Film => Self::COUNT - 1,
@@ -79,6 +82,7 @@ impl Stage {
             Self::Sky => "shade: sky",
             Self::Emission => "shade: emission",
             Self::Branch => "branch",
+            Self::Disperse => "disperse",
             Self::Interact => "interact",
             Self::Light => "sample lights",
             Self::Scatter(shader) => shader.stage(),

@@ -12,6 +12,7 @@ mod camera;
 mod control;
 mod counters;
 mod environment;
+mod extras;
 mod generate;
 mod instruments;
 mod intersect;
@@ -46,6 +47,7 @@ pub use stats::{BounceStats, Dropped, RenderStats, StageStats};
 use crate::film::{Job, SampleBuffer};
 use account::Account;
 use branch::{Branches, Slots};
+use extras::{Along, Extras};
 use generate::Source;
 use huygens_kernels::compact::Kept;
 use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
@@ -60,6 +62,8 @@ use surfaces::Surfaces;
 struct Wave<'a> {
     setup: &'a Setup<'a>,
     paths: Queue<PathsMut<'static>>,
+    /// What paths carry besides, where a scene calls for it.
+    extras: Extras,
     hits: Queue<PathHitsMut<'static>>,
     lists: Lists,
     /// Where some surfaces are more than plain diffuse ones.
@@ -67,6 +71,8 @@ struct Wave<'a> {
     /// Where paths branch.
     branches: Option<Branches>,
     scattered: Queue<PathsMut<'static>>,
+    /// The same for `scattered`.
+    scattered_extras: Extras,
     shadows: Queue<ShadowsMut<'static>>,
     occlusion: Queue<OcclusionMut<'static>>,
     kept: Vec<Kept>,
@@ -82,11 +88,13 @@ impl<'a> Wave<'a> {
         Self {
             setup,
             paths: Queue::new(capacity),
+            extras: Extras::new(setup.carried, capacity, Along::Paths),
             hits: Queue::new(capacity),
             lists: Lists::new(setup),
             surfaces: setup.surfaces(),
             branches: setup.branches(),
             scattered: Queue::new(capacity),
+            scattered_extras: Extras::new(setup.carried, capacity, Along::Scattered),
             shadows: Queue::new(shadows),
             occlusion: Queue::new(shadows),
             kept: Vec::with_capacity(capacity),
@@ -99,11 +107,13 @@ impl<'a> Wave<'a> {
     fn queues(&self) -> Vec<QueuePlan> {
         let mut queues = Vec::new();
         queues.extend(QueuePlan::of("paths", &self.paths));
+        queues.extend(self.extras.queues());
         queues.extend(QueuePlan::of("hits", &self.hits));
         queues.extend(self.lists.queues(self.setup));
         queues.extend(self.branches.iter().flat_map(Branches::queues));
         queues.extend(self.surfaces.iter().flat_map(Surfaces::queues));
         queues.extend(QueuePlan::of("scattered", &self.scattered));
+        queues.extend(self.scattered_extras.queues());
         queues.extend(QueuePlan::of("shadows", &self.shadows));
         queues.extend(QueuePlan::of("occlusion", &self.occlusion));
         queues
@@ -128,6 +138,7 @@ impl Wave<'_> {
             self.sort();
             self.emit(slots, samples);
             self.branch();
+            self.disperse();
             self.scatter(slots, samples);
             self.rays += self.shadows.len() as u64;
             self.occlude(slots, samples);

@@ -48,10 +48,14 @@ fn flag(on: bool) -> f32 {
 }
 
 fn put_dielectric(glass: &Dielectric, mut put: impl FnMut(&[f32])) {
-    put(&[glass.ior, flag(glass.thin)]);
+    let (index, slope) = match glass.dispersion {
+        Some(cauchy) if !glass.thin => (cauchy.a, cauchy.b),
+        _ => (glass.ior, 0.0),
+    };
+    put(&[index, flag(glass.thin)]);
     put(&glass.reflection_tint.factor);
     put(&glass.transmission_tint.factor);
-    put(&[glass.roughness.factor]);
+    put(&[glass.roughness.factor, slope]);
 }
 
 fn put_principled(p: &Principled, mut put: impl FnMut(&[f32])) {

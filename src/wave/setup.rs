@@ -3,6 +3,7 @@
 use super::account::Stage;
 use super::branch::{self, Branches};
 use super::camera;
+use super::extras::Carried;
 use super::mixtures::Mixtures;
 use super::sampling::AnySampler;
 use super::shade::Program;
@@ -33,6 +34,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) wanted: Wanted,
     pub(crate) rules: Rules,
     pub(crate) capacity: usize,
+    /// What paths carry besides.
+    pub(crate) carried: Carried,
     /// Branches of a path, by scattering event; none of paths that never branch.
     pub(crate) split: Vec<u32>,
 }
@@ -96,6 +99,7 @@ impl<'a> Setup<'a> {
                 last_ray: program.last_ray_is_of_use(),
             },
             capacity: settings.wave.max(1),
+            carried: Carried::new(effects),
             split,
         }
     }
@@ -123,6 +127,7 @@ impl Setup<'_> {
             Stage::Scatter(shader) => self.shaders.contains(&shader),
             Stage::Occlude => self.casts_shadows(),
             Stage::Branch => !self.split.is_empty(),
+            Stage::Disperse => self.carried.wavelengths,
             Stage::Roulette => transport,
         }
     }
@@ -140,7 +145,7 @@ impl Setup<'_> {
     /// The queues for paths that wait to branch, if any do.
     pub(crate) fn branches(&self) -> Option<Branches> {
         self.runs(Stage::Branch)
-            .then(|| Branches::new(&self.split, self.capacity))
+            .then(|| Branches::new(&self.split, self.capacity, self.carried))
     }
 
     /// The queues for surfaces that are more than plain diffuse ones, if there are any.

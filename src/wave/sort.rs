@@ -58,6 +58,11 @@ impl IndexList {
         }
     }
 
+    /// The indices, padded to whole vectors by repetitions of the last one.
+    pub(crate) fn padded(&self) -> &[u32] {
+        &self.indices
+    }
+
     /// The indices, without padding.
     pub(crate) fn indices(&self) -> &[u32] {
         &self.indices[..self.len]

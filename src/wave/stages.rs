@@ -3,6 +3,7 @@
 use super::account::Stage;
 use super::branch::{Met, Slots};
 use super::generate::Source;
+use super::sampling::with_sampler;
 use super::sort::Wanted;
 use super::tally::Tally;
 use super::{Wave, intersect, roulette, shade, sort};
@@ -12,6 +13,7 @@ use huygens_kernels::cost::{Cost, item};
 use huygens_kernels::emission::{SKY, SURFACE, UNOCCLUDED};
 use huygens_kernels::queues::{PathHitsMut, PathsMut};
 use huygens_kernels::rays::{CLOSEST, OCCLUSION};
+use huygens_kernels::scatter::disperse::{DISPERSE, disperse};
 use huygens_kernels::scatter::interact::INTERACT;
 use huygens_kernels::scatter::light_up::LIGHT_UP;
 use huygens_kernels::scatter::{Out, plain, respond};
@@ -26,6 +28,7 @@ impl Wave<'_> {
         let setup = self.setup;
         let new = source.refill(&setup.lens, setup.sampler, &mut self.paths, slots);
         if new > 0 {
+            self.extras.start(self.paths.len() - new, new);
             let mut out = Tally::default();
             out.add(0, new);
             let cost = camera::COST * new;
@@ -93,6 +96,7 @@ impl Wave<'_> {
         let met = Met {
             paths: &mut self.paths,
             hits: &mut self.hits,
+            extras: &mut self.extras,
         };
         branches.exchange(&self.lists, met);
         let (paths, hits) = (self.paths.view(), self.hits.view());
@@ -105,12 +109,30 @@ impl Wave<'_> {
         account.book(Stage::Branch, &gone, &gone, cost);
     }
 
+    /// Gives a wavelength to the paths that meet dispersive surfaces.
+    pub(super) fn disperse(&mut self) {
+        let Some(mut wavelengths) = self.extras.wavelengths_mut() else {
+            return;
+        };
+        let mut paths = self.paths.view_mut();
+        let lists = self.setup.shaders.iter().zip(&self.lists.scatter);
+        for (_, list) in lists.filter(|(s, list)| s.disperses() && list.len() > 0) {
+            let (index, n) = (list.padded(), list.len());
+            with_sampler!(self.setup.sampler, sampler => {
+                disperse(index, n, sampler, &mut paths, &mut wavelengths);
+            });
+            self.account
+                .book(Stage::Disperse, &list.tally, &list.tally, DISPERSE * n);
+        }
+    }
+
     /// Scatters paths and casts occlusion rays, one shader after the other.
     pub(super) fn scatter(&mut self, slots: Slots, samples: &mut SampleBuffer) {
         let setup = self.setup;
         let (program, tables, sampler) = (setup.program, &setup.tables, setup.sampler);
         let (paths, hits) = (self.paths.view(), self.hits.view());
-        let account = &mut self.account;
+        let (account, extras) = (&mut self.account, &self.extras);
+        self.scattered_extras.clear();
         let mut out = Out {
             paths: self.scattered.view_mut(),
             path_len: 0,
@@ -136,7 +158,8 @@ impl Wave<'_> {
                         surfaces.light_up(shader, tables);
                         account.book(Stage::Light, tally, tally, LIGHT_UP * list.len());
                     }
-                    surfaces.respond(program, shader, listed, tables, &mut out);
+                    let light = extras.wavelengths();
+                    surfaces.respond(program, shader, listed, light, tables, &mut out);
                     [respond::PATH, respond::SHADOW]
                 }
                 _ => {
@@ -154,6 +177,9 @@ impl Wave<'_> {
                     [plain::SCATTER, plain::SHADOW]
                 }
             };
+            if out.path_len > before.0 {
+                self.scattered_extras.append_rows(extras, list.indices());
+            }
             let on = Tally::of(&out.paths.bounces[before.0..out.path_len], 0);
             let cast = Tally::of(&out.shadows.bounces[before.1..out.shadow_len], 0);
             let cost = cost[0] * on.total() + cost[1] * cast.total();
@@ -191,6 +217,7 @@ impl Wave<'_> {
         let (setup, account) = (self.setup, &mut self.account);
         let scattered = &mut self.scattered;
         roulette::run(
+            setup.carried.wavelengths,
             setup.rules,
             setup.sampler,
             scattered,
@@ -198,6 +225,8 @@ impl Wave<'_> {
             &mut self.paths,
             |slot| account.drop_sample(Stage::Roulette.name(), slots.sample_of(slot)),
         );
+        self.extras.clear();
+        self.extras.append_kept(&self.scattered_extras, &self.kept);
         let (n, survivors) = (self.scattered.len(), self.paths.len());
         if n == 0 {
             return;

@@ -67,11 +67,12 @@ impl Surfaces {
     }
 
     /// What the BSDF makes of both.
-    pub(crate) fn respond(
+    pub(crate) fn respond<'a>(
         &self,
         program: Program,
         shader: Shader,
-        listed: Listed,
+        listed: Listed<'a>,
+        wavelengths: &'a [f32],
         tables: &Tables,
         out: &mut Out,
     ) {
@@ -81,6 +82,7 @@ impl Surfaces {
             drawn: self.drawn.view(),
             lit: self.lit.view(),
             smooth: self.smooth.as_ref().map(Queue::view),
+            wavelengths,
         };
         match shader {
             Shader::Plain | Shader::Mix => unreachable!("they have no rows of their own"),
@@ -88,8 +90,18 @@ impl Surfaces {
             Shader::RoughDiffuse => with::<kinds::RoughDiffuse>(program, rows, tables, out),
             Shader::SmoothConductor => with::<kinds::SmoothConductor>(program, rows, tables, out),
             Shader::RoughConductor => with::<kinds::RoughConductor>(program, rows, tables, out),
-            Shader::SmoothDielectric => with::<kinds::SmoothDielectric>(program, rows, tables, out),
-            Shader::RoughDielectric => with::<kinds::RoughDielectric>(program, rows, tables, out),
+            Shader::SmoothDielectric => {
+                with::<kinds::SmoothDielectric<false>>(program, rows, tables, out);
+            }
+            Shader::RoughDielectric => {
+                with::<kinds::RoughDielectric<false>>(program, rows, tables, out);
+            }
+            Shader::SmoothDispersive => {
+                with::<kinds::SmoothDielectric<true>>(program, rows, tables, out);
+            }
+            Shader::RoughDispersive => {
+                with::<kinds::RoughDielectric<true>>(program, rows, tables, out);
+            }
             Shader::Principled => with::<kinds::Principled<false>>(program, rows, tables, out),
             Shader::PrincipledGlass => with::<kinds::Principled<true>>(program, rows, tables, out),
         }

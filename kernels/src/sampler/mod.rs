@@ -64,6 +64,22 @@ pub fn block(bounces: Ux, what: Block) -> Ux {
     bounces + bounces + Ux::splat(1 + what as u32)
 }
 
+/// What a path draws its numbers for in scenes that call for it, apart from [`Block`]: the numbers of
+/// a scene do not depend on what is not in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Apart {
+    /// One for the wavelength.
+    Wavelength,
+}
+
+/// The block of a path that has scattered `bounces` times so far, all marks left out: beyond those of
+/// [`block`], which stay below 2^31.
+#[inline(always)]
+#[must_use]
+pub fn apart(bounces: Ux, what: Apart) -> Ux {
+    ((bounces << 2) + Ux::splat(what as u32)) | Ux::splat(1 << 31)
+}
+
 /// A pixel's name where only its identity counts: its coordinates, hashed.
 #[inline(always)]
 fn pixel_name(x: Ux, y: Ux) -> Ux {

@@ -2,6 +2,7 @@
 //! as far as their headers tell; in [`TextureUse::texture`] stands their place in
 //! [`Surfaces::wanted`] until they are loaded.
 
+use super::glass;
 use super::images::{Images, Wanted};
 use super::said::{self, Kind};
 use crate::scene::error::SceneError;
@@ -200,14 +201,14 @@ impl Compiler<'_, '_> {
     }
 
     fn dielectric(&mut self, m: &said::Material) -> Result<Dielectric, SceneError> {
-        let default = Dielectric::default();
+        let (ior, dispersion) = glass::index(self.file, m)?;
         Ok(Dielectric {
-            ior: m.ior.as_ref().map_or(default.ior, |x| x.get_ref().0 as f32),
+            ior,
             roughness: self.images.roughness(&m.roughness, 0.0)?,
             thin: m.thin.as_ref().is_some_and(|x| *x.get_ref()),
             reflection_tint: self.images.value(&m.reflection_tint, [1.0; 3])?,
             transmission_tint: self.images.value(&m.transmission_tint, [1.0; 3])?,
-            abbe: m.abbe.as_ref().map(|x| x.get_ref().0 as f32),
+            dispersion,
             interior: None,
         })
     }
@@ -303,6 +304,7 @@ fn nothing_needless(file: &SceneFile, m: &said::Material, kind: Kind) -> Result<
         reflection_tint: [Dielectric],
         transmission_tint: [Dielectric],
         abbe: [Dielectric],
+        cauchy: [Dielectric],
         base_color: [Principled],
         metallic: [Principled],
         specular: [Principled],

@@ -1,0 +1,115 @@
+//! What paths carry besides, in queues of their own that run along with those of the paths, and that
+//! are there only where a scene calls for them. No kernel that does not use them knows of them: a path
+//! hands on what it carries when it scatters, and so the columns are moved with the paths, row by row.
+
+use super::plan::QueuePlan;
+use super::queue::Queue;
+use crate::effects::Effects;
+use huygens_kernels::compact::Kept;
+use huygens_kernels::queues::WavelengthsMut;
+
+/// Which of them a render needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Carried {
+    /// Wavelengths, where surfaces disperse light.
+    pub(crate) wavelengths: bool,
+}
+
+impl Carried {
+    /// What some effects call for.
+    pub(crate) fn new(effects: &Effects) -> Self {
+        Self {
+            wavelengths: effects.dispersion,
+        }
+    }
+}
+
+/// The paths whose rows a set of extras goes with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Along {
+    /// Those under way.
+    Paths,
+    /// Those that have scattered.
+    Scattered,
+    /// Those that wait to branch.
+    Waiting,
+}
+
+/// The columns that go along with one queue of paths.
+pub(crate) struct Extras {
+    along: Along,
+    wavelengths: Option<Queue<WavelengthsMut<'static>>>,
+}
+
+/// `each!(self, queue => expression)`: the expression for each queue that is there; with a second set
+/// of the same render, for each pair.
+macro_rules! each {
+    ($extras:expr, $queue:ident => $run:expr) => {
+        if let Some($queue) = &mut $extras.wavelengths {
+            $run;
+        }
+    };
+    ($extras:expr, $from:expr, ($queue:ident, $source:ident) => $run:expr) => {
+        if let (Some($queue), Some($source)) = (&mut $extras.wavelengths, &$from.wavelengths) {
+            $run;
+        }
+    };
+}
+
+impl Extras {
+    pub(crate) fn new(carried: Carried, capacity: usize, along: Along) -> Self {
+        Self {
+            along,
+            wavelengths: carried.wavelengths.then(|| Queue::new(capacity)),
+        }
+    }
+
+    /// Its queues, as they are.
+    pub(crate) fn queues(&self) -> impl Iterator<Item = QueuePlan> {
+        let wavelengths = self.wavelengths.as_ref().and_then(|queue| {
+            let name = match self.along {
+                Along::Paths => "wavelengths",
+                Along::Scattered => "scattered wavelengths",
+                Along::Waiting => "waiting wavelengths",
+            };
+            QueuePlan::of(name, queue)
+        });
+        wavelengths.into_iter()
+    }
+
+    /// What the camera rays at rows `at` and on carry: all wavelengths.
+    pub(crate) fn start(&mut self, at: usize, n: usize) {
+        if let Some(queue) = &mut self.wavelengths {
+            queue.set_len(at + n);
+            queue.view_mut().wavelength[at..at + n].fill(0.0);
+        }
+    }
+
+    /// Forgets all rows.
+    pub(crate) fn clear(&mut self) {
+        each!(self, queue => queue.set_len(0));
+    }
+
+    /// Appends what rows of `from` carry.
+    pub(crate) fn append_rows(&mut self, from: &Self, rows: &[u32]) {
+        each!(self, from, (queue, source) => queue.append_rows(source, rows));
+    }
+
+    /// Appends what the `kept` lanes of `from` carry.
+    pub(crate) fn append_kept(&mut self, from: &Self, kept: &[Kept]) {
+        each!(self, from, (queue, source) => queue.append_kept(source, kept));
+    }
+
+    /// Wavelengths; none where nothing disperses.
+    pub(crate) fn wavelengths(&self) -> &[f32] {
+        match &self.wavelengths {
+            Some(queue) => queue.view().wavelength,
+            None => &[],
+        }
+    }
+
+    /// Wavelengths, to be written.
+    pub(crate) fn wavelengths_mut(&mut self) -> Option<WavelengthsMut<'_>> {
+        self.wavelengths.as_mut().map(Queue::view_mut)
+    }
+}
