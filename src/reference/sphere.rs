@@ -1,6 +1,7 @@
 //! The oracle's spheres and copies, in the formulas of school.
 
-use super::{Ray, Triangle, Worn, vector};
+use super::vector;
+use super::world::{Ray, Triangle, Worn};
 use crate::scene::{self, Scene};
 use glam::DVec3;
 
