@@ -34,6 +34,10 @@ pub struct Effects {
     pub emission: bool,
     /// Whether surfaces disperse light: paths carry a wavelength.
     pub dispersion: bool,
+    /// Whether there are media: rays lose light on their way.
+    pub media: bool,
+    /// Whether any of them scatters.
+    pub scattering_media: bool,
 }
 
 impl Effects {
@@ -54,6 +58,9 @@ impl Effects {
         let worn = scene.worn();
         effects.light(scene, &worn);
         effects.surfaces(scene, &worn, transport);
+        if transport {
+            effects.media(scene);
+        }
         if transport && settings.roulette {
             effects.add("roulette", "setting `roulette`");
         }
@@ -120,6 +127,20 @@ impl Effects {
         }
     }
 
+    fn media(&mut self, scene: &Scene) {
+        let mut all = scene.media_in_use();
+        if let Some((_, reason)) = all.next() {
+            self.media = true;
+            self.add("media", reason);
+        }
+        let mut all = scene.media_in_use();
+        if let Some((medium, reason)) = all.find(|(m, _)| m.scatters()) {
+            self.scattering_media = true;
+            let name = Shader::Medium.name();
+            self.add(name, format!("medium `{}`, of {reason}", medium.name));
+        }
+    }
+
     fn surfaces(&mut self, scene: &Scene, worn: &[bool], transport: bool) {
         let smooth = smooth(scene);
         let mixed = mixed(scene, worn);
@@ -144,6 +165,11 @@ impl Effects {
             self.add("shading normals", material(&scene.materials[i]));
         }
     }
+}
+
+/// Whether a render has to do with media.
+pub(crate) fn has_media(scene: &Scene, settings: &Settings) -> bool {
+    settings.integrator.is_transport() && scene.media_in_use().next().is_some()
 }
 
 /// The fewest lights at a finite distance for which a tree is taken to be worth its steps: set by

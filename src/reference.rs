@@ -19,6 +19,7 @@
 //! nothing sees the sky.
 
 mod camera;
+mod fog;
 mod lights;
 mod path;
 mod random;
@@ -29,6 +30,7 @@ mod world;
 use crate::film::{Job, SampleBuffer};
 use crate::scene::Scene;
 use crate::settings::{Settings, Strategy};
+use fog::Fog;
 use glam::DVec3;
 use lights::Lights;
 use rand_pcg::rand_core::Rng;
@@ -41,6 +43,7 @@ use world::{Ray, World};
 pub struct Reference<'a> {
     world: World<'a>,
     lights: Lights<'a>,
+    fog: Option<Fog>,
     seed: u32,
     max_depth: u32,
     uniform: bool,
@@ -73,6 +76,7 @@ impl<'a> Reference<'a> {
         Self {
             world: World::new(scene),
             lights: Lights::new(scene),
+            fog: Fog::new(scene),
             seed: settings.seed,
             max_depth: unbounded.depth_limit().min(Self::DEEPEST),
             uniform: settings.strategy == Strategy::Uniform,

@@ -24,6 +24,51 @@ fn lens_message(keys: &str) -> String {
 }
 
 #[test]
+fn media_that_cannot_be() {
+    for (text, wrong) in [
+        (
+            "[media.a]\nabsorption = -1\n",
+            "s.toml:2:14: media.a.absorption: found -1, expected a finite number of at least 0",
+        ),
+        (
+            "[media.a]\nscattering = [1, 2, -0.5]\n",
+            "s.toml:2:21: media.a.scattering: found -0.5, expected a finite number of at least 0",
+        ),
+        (
+            "[media.a]\ng = 1\n",
+            "s.toml:2:5: media.a.g: found 1, expected a number from -0.999 to 0.999",
+        ),
+        (
+            "[media.a]\ng = -1.5\n",
+            "s.toml:2:5: media.a.g: found -1.5, expected a number from -0.999 to 0.999",
+        ),
+        (
+            "[media.a]\nabsorption = 3e38\nscattering = 3e38\n",
+            "s.toml:1:1: media.a: absorption and scattering together are beyond 32-bit floats",
+        ),
+        (
+            "[media.mist]\n[fog]\nmedium = \"mits\"\n",
+            "s.toml:3:10: fog.medium: no medium `mits`, did you mean `mist`?",
+        ),
+        (
+            "[media.mist]\n[fog]\nmedium = \"mist\"\nwithin = { min = [0, 0, 0], max = [1, 0, 1] }\n",
+            "s.toml:4:10: fog.within: found a box without volume, expected `min` below `max` on each \
+             axis",
+        ),
+        (
+            "[media.mist]\n[materials.m]\nkind = \"dielectric\"\nthin = true\ninterior = \"mist\"\n",
+            "s.toml:5:12: materials.m.interior: found in a `thin` pane, which has no inside",
+        ),
+        (
+            "[materials.m]\nkind = \"dielectric\"\ninterior = \"mist\"\n",
+            "s.toml:3:12: materials.m.interior: no medium `mist`, expected none",
+        ),
+    ] {
+        assert_eq!(message(text), wrong);
+    }
+}
+
+#[test]
 fn cameras_of_unknown_kinds_and_keys_of_other_kinds() {
     assert_eq!(
         lens_message("kind = \"ortographic\""),

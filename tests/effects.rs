@@ -6,8 +6,8 @@ use common::scenes;
 use huygens::film::Film;
 use huygens::geometry::Geometry;
 use huygens::scene::material::{Cauchy, Dielectric};
-use huygens::scene::{Bsdf, Scene};
-use huygens::settings::{Settings, Strategy};
+use huygens::scene::{Bsdf, Fog, Medium, Scene};
+use huygens::settings::{Integrator, Settings, Strategy};
 use huygens::wave::{self, Control, Plan};
 
 fn plan(scene: &Scene, settings: &Settings) -> Plan {
@@ -184,4 +184,53 @@ fn a_dispersive_glass_adds_wavelengths_and_plain_glass_does_not() {
         assert_eq!(found.expect(queue).1, ["wavelength"]);
     }
     assert_eq!(ran(&scene, &settings()), dispersive.stages);
+}
+
+/// Fog adds a stage and a column; that it scatters, a list and a kernel.
+#[test]
+fn a_medium_adds_its_stages_and_nothing_else_does() {
+    let with = |scattering: [f32; 3]| {
+        let mut scene = scenes::cornell_box(16);
+        scene.media.push(Medium {
+            name: "mist".into(),
+            absorption: [1e-4; 3],
+            scattering,
+            g: 0.0,
+        });
+        scene
+    };
+    let unused = plan(&with([1e-3; 3]), &settings());
+    assert!(!unused.stages.contains(&"travel"), "nothing is filled");
+    let fog = |scattering| {
+        let mut scene = with(scattering);
+        scene.fog = Some(Fog {
+            medium: 0,
+            bounds: None,
+        });
+        scene
+    };
+    let absorbing = plan(&fog([0.0; 3]), &settings());
+    assert!(absorbing.stages.contains(&"travel"));
+    assert!(!absorbing.stages.contains(&"shade: medium"));
+    let scene = fog([1e-3; 3]);
+    let scattering = plan(&scene, &settings());
+    let reason = |name: &str| scattering.effects.iter().find(|e| e.name == name);
+    assert_eq!(
+        reason("media").expect("an effect").reason,
+        "the scene's `fog`"
+    );
+    assert_eq!(
+        reason("scattering medium").expect("an effect").reason,
+        "medium `mist`, of the scene's `fog`"
+    );
+    for queue in ["media", "scattered media"] {
+        let found = queues(&scattering).into_iter().find(|q| q.0 == queue);
+        assert_eq!(found.expect(queue).1, ["medium"]);
+    }
+    assert_eq!(ran(&scene, &settings()), scattering.stages);
+    let look = Settings {
+        integrator: Integrator::Normals,
+        ..settings()
+    };
+    assert!(!plan(&scene, &look).stages.contains(&"travel"));
 }

@@ -280,7 +280,7 @@ fn numbers_that_no_surface_has() {
         ),
         (
             "kind = \"dielectric\"\nabbe = 0.1",
-            "s.toml:3:8: materials.m.abbe: makes the index of refraction -0.94072986 at 730 nm, \
+            "s.toml:3:8: materials.m.abbe: makes the index of refraction -1.1709609 at 730 nm, \
              expected it above 0 from 380 to 730 nm",
         ),
         (

@@ -301,3 +301,17 @@ fn the_gem_is_closed_and_disperses() {
     });
     assert!(sum.length() <= 8.0 * f64::from(f32::EPSILON) * total);
 }
+
+#[test]
+fn the_fog_has_tea_and_milk_in_it() {
+    let scene = load("fog.toml");
+    let fog = scene.fog.expect("fog");
+    assert_eq!(scene.media[fog.medium as usize].name, "mist");
+    let tea = scene.media.iter().find(|m| m.name == "tea").expect("tea");
+    // What the scene's first lines say of it, to their two digits.
+    for (sigma, left) in tea.absorption.iter().zip([0.48, 0.12, 0.008]) {
+        let found = (-1.2 * f64::from(*sigma)).exp();
+        assert!((found - left).abs() <= 0.05 * left, "{found}");
+    }
+    assert_eq!(scene.media_in_use().count(), 3);
+}

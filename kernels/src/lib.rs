@@ -32,6 +32,7 @@ pub mod light;
 pub mod look;
 pub mod many;
 pub mod math;
+pub mod medium;
 pub mod mis;
 pub mod octahedral;
 pub mod order;

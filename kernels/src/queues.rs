@@ -60,6 +60,14 @@ soa! {
     }
 }
 
+soa! {
+    /// The media of [`Paths`], item by item, where a scene has any.
+    pub struct Mediums, MediumsMut {
+        /// The one that the ray runs through: a row of `medium::Media`.
+        medium: U32,
+    }
+}
+
 /// Some of the wave's paths at the ends of their rays: what a shading kernel is given.
 #[derive(Clone, Copy, Debug)]
 pub struct Listed<'a> {

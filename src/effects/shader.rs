@@ -29,13 +29,15 @@ pub enum Shader {
     Principled,
     /// The same where light passes.
     PrincipledGlass,
+    /// No surface: a medium that scatters.
+    Medium,
     /// One of two others, at random.
     Mix,
 }
 
 impl Shader {
     /// All there are, in the order in which they run.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Plain,
         Self::Diffuse,
         Self::RoughDiffuse,
@@ -47,6 +49,7 @@ impl Shader {
         Self::RoughDispersive,
         Self::Principled,
         Self::PrincipledGlass,
+        Self::Medium,
         Self::Mix,
     ];
 
@@ -65,6 +68,7 @@ impl Shader {
             Self::RoughDispersive => "rough dispersive dielectric",
             Self::Principled => "principled",
             Self::PrincipledGlass => "principled glass",
+            Self::Medium => "scattering medium",
             Self::Mix => "mix",
         }
     }
@@ -84,8 +88,15 @@ impl Shader {
             Self::RoughDispersive => "shade: rough dispersive dielectric",
             Self::Principled => "shade: principled",
             Self::PrincipledGlass => "shade: principled glass",
+            Self::Medium => "shade: medium",
             Self::Mix => "shade: mix",
         }
+    }
+
+    /// Whether it has rows of surface interactions between its passes.
+    #[must_use]
+    pub fn has_rows(self) -> bool {
+        !matches!(self, Self::Plain | Self::Medium | Self::Mix)
     }
 
     /// Whether light can only be found by following its directions.

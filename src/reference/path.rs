@@ -1,9 +1,10 @@
 //! Light transport of the reference: what a ray sees.
 
 use super::Reference;
+use super::fog::{Fog, anywhere};
 use super::random::uniform;
 use super::surface::{Point, colour};
-use super::world::Ray;
+use super::world::{Hit, Ray};
 use crate::scene::Bsdf;
 use glam::DVec3;
 use rand_pcg::rand_core::Rng;
@@ -11,7 +12,36 @@ use std::f64::consts::{PI, TAU};
 
 impl Reference<'_> {
     pub(super) fn radiance(&self, rng: &mut impl Rng, ray: &Ray, depth: u32) -> DVec3 {
-        let Some(hit) = self.world.closest(ray) else {
+        let hit = self.world.closest(ray);
+        let Some(fog) = &self.fog else {
+            return self.seen(rng, ray, hit, depth);
+        };
+        let way = hit.as_ref().map_or(f64::INFINITY, |hit| hit.t);
+        match fog.travel(rng, ray, way) {
+            (None, left) => left * self.seen(rng, ray, hit, depth),
+            (Some(_), _) if depth >= self.max_depth => DVec3::ZERO,
+            (Some(t), weight) => weight * self.in_fog(rng, fog, ray, t, depth),
+        }
+    }
+
+    /// What is seen of the fog where it scatters light, `t` along a ray.
+    fn in_fog(&self, rng: &mut impl Rng, fog: &Fog, ray: &Ray, t: f64, depth: u32) -> DVec3 {
+        let origin = ray.origin + t * ray.direction;
+        let phase = |to: DVec3| fog.phase(ray.direction.dot(to));
+        let delta = self.delta_lights(origin, phase, None);
+        let direction = anywhere(rng);
+        let next = Ray {
+            origin,
+            direction,
+            leaves: None,
+        };
+        let weight = phase(direction) * 4.0 * PI;
+        delta + weight * self.radiance(rng, &next, depth + 1)
+    }
+
+    /// What is seen of what a ray meets.
+    fn seen(&self, rng: &mut impl Rng, ray: &Ray, hit: Option<Hit>, depth: u32) -> DVec3 {
+        let Some(hit) = hit else {
             return self.lights.beyond(ray.direction);
         };
         let origin = ray.origin + hit.t * ray.direction;
@@ -54,7 +84,7 @@ impl Reference<'_> {
             };
             factor * omega_i.dot(shading).max(0.0)
         };
-        let delta = brdf * self.delta_lights(origin, cosine, hit.surface);
+        let delta = brdf * self.delta_lights(origin, cosine, Some(hit.surface));
         let weight = cosine(omega_i) / pdf;
         if weight == 0.0 {
             return emitted + delta;
@@ -67,14 +97,20 @@ impl Reference<'_> {
         emitted + delta + brdf * self.radiance(rng, &next, depth + 1) * weight
     }
 
-    /// Irradiance by the lights that no ray finds, at `origin` on surface `leaves`.
-    fn delta_lights(&self, origin: DVec3, cosine: impl Fn(DVec3) -> f64, leaves: usize) -> DVec3 {
+    /// Irradiance by the lights that no ray finds, at `origin` on surface `leaves` or in the fog, of a
+    /// surface that counts it by `cosine`.
+    fn delta_lights(
+        &self,
+        origin: DVec3,
+        cosine: impl Fn(DVec3) -> f64,
+        leaves: Option<usize>,
+    ) -> DVec3 {
         let arriving = self.lights.arriving(origin).map(|light| {
             let cos = cosine(light.direction);
             let ray = Ray {
                 origin,
                 direction: light.direction,
-                leaves: Some(leaves),
+                leaves,
             };
             let free = cos > 0.0
                 && self
@@ -82,7 +118,9 @@ impl Reference<'_> {
                     .closest(&ray)
                     .is_none_or(|hit| hit.t >= light.distance);
             if free {
-                light.irradiance * cos
+                let fog = self.fog.as_ref();
+                let left = fog.map_or(DVec3::ONE, |f| f.transmittance(&ray, light.distance));
+                left * light.irradiance * cos
             } else {
                 DVec3::ZERO
             }

@@ -12,6 +12,7 @@ use super::light::Sky;
 use super::lights;
 use super::load::GeometryFile;
 use super::material::Material;
+use super::media;
 use super::placed::Placed;
 use super::shapes::Shapes;
 use super::surfaces::{Surfaces, bind};
@@ -25,6 +26,8 @@ use std::path::Path;
 /// What can be told to be wrong before the geometry is there, shapes apart.
 pub(super) fn check(file: &SceneFile, said: &Description) -> Result<(), SceneError> {
     lights::check(file, said)?;
+    media::media(file, said)?;
+    media::fog(file, said)?;
     match &said.camera {
         Some(camera) => {
             let film = film(Some(&said.film));
@@ -78,6 +81,8 @@ pub(super) fn native(
         film,
         sky,
         lights,
+        media: media::media(file, said)?,
+        fog: media::fog(file, said)?,
         settings: settings(&said.settings),
         materials: shapes.materials,
         textures: store.finish(),
@@ -121,6 +126,8 @@ pub(super) fn bare(
         film,
         sky: None,
         lights: Vec::new(),
+        media: Vec::new(),
+        fog: None,
         settings: Settings::default(),
         materials,
         textures: store.finish(),

@@ -2,6 +2,7 @@
 
 use super::light::{Light, Sky};
 use super::material::Material;
+use super::medium::{Fog, Medium};
 use super::placed::{Instance, Object, Sphere};
 use super::texture::Texture;
 use crate::settings::Settings;
@@ -35,6 +36,10 @@ pub struct Scene {
     pub sky: Option<Sky>,
     /// Lights that are no surfaces.
     pub lights: Vec<Light>,
+    /// Media, whether anything is filled with them or not.
+    pub media: Vec<Medium>,
+    /// What fills the space outside of all glass, if anything does.
+    pub fog: Option<Fog>,
     /// Settings of the scene's file over the defaults.
     pub settings: Settings,
     /// Fallbacks taken while loading, each once, in the order met.

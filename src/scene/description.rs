@@ -6,8 +6,8 @@ use super::import::{Counts, Format};
 use super::surfaces::Material;
 use super::transform::Transform;
 use super::values::{
-    Angle, Count, FieldOfView, Finite, Natural, NonNegative, OneOrThree, Pixels, Positive, Radius,
-    Turbidity, Unit,
+    Angle, Count, FieldOfView, Finite, MeanCosine, Natural, NonNegative, OneOrThree, Pixels,
+    Positive, Radius, Turbidity, Unit,
 };
 use crate::settings::{Integrator, LightSelection, Preset, Sampler, Strategy};
 use serde::Deserialize;
@@ -25,6 +25,8 @@ pub(super) struct Description {
     pub(super) settings: Settings,
     pub(super) sky: Option<Spanned<Sky>>,
     pub(super) lights: Vec<Spanned<Light>>,
+    pub(super) media: BTreeMap<String, Spanned<Medium>>,
+    pub(super) fog: Option<Spanned<Fog>>,
     pub(super) materials: BTreeMap<String, Spanned<Material>>,
     pub(super) shapes: Vec<Spanned<Shape>>,
     pub(super) objects: BTreeMap<String, Object>,
@@ -37,6 +39,35 @@ impl Description {
         let in_objects = self.objects.values().flat_map(|object| &object.shapes);
         self.shapes.iter().chain(in_objects)
     }
+}
+
+/// `[media.NAME]`
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[serde(expecting = "a table such as { scattering = 0.1 }")]
+pub(super) struct Medium {
+    pub(super) absorption: Option<OneOrThree<NonNegative>>,
+    pub(super) scattering: Option<OneOrThree<NonNegative>>,
+    pub(super) g: Option<MeanCosine>,
+}
+
+/// `[fog]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[serde(expecting = "a table such as { medium = \"mist\" }")]
+pub(super) struct Fog {
+    pub(super) medium: Spanned<String>,
+    #[serde(default)]
+    pub(super) within: Option<Spanned<Extents>>,
+}
+
+/// An axis-aligned box.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[serde(expecting = "a table of `min` and `max`")]
+pub(super) struct Extents {
+    pub(super) min: [Finite; 3],
+    pub(super) max: [Finite; 3],
 }
 
 /// `[objects.NAME]`

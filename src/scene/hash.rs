@@ -103,6 +103,14 @@ pub(super) fn of(scene: &Scene) -> [u8; 32] {
             table(bytemuck::cast_slice(&map.texels));
         }
     }
+    if scene.fog.is_some() || !scene.media.is_empty() {
+        table(b"media");
+        for m in &scene.media {
+            table(bytemuck::cast_slice(&[m.absorption, m.scattering]));
+            table(&m.g.to_le_bytes());
+        }
+        table(format!("{:?}", scene.fog).as_bytes());
+    }
     for light in &scene.lights {
         match light.kind {
             LightKind::Point {

@@ -136,8 +136,8 @@ pub struct Dielectric {
     pub transmission_tint: Textured<[f32; 3]>,
     /// How the index varies over the spectrum. None: not at all.
     pub dispersion: Option<Cauchy>,
-    /// Name of the medium inside.
-    pub interior: Option<String>,
+    /// Index of the medium inside.
+    pub interior: Option<u32>,
 }
 
 /// See [`Bsdf::Principled`]. The members are those of glTF 2.0 and the extensions KHR_materials_ior,

@@ -19,6 +19,8 @@ mod light;
 mod lights;
 mod load;
 pub mod material;
+mod media;
+mod medium;
 mod placed;
 mod projection;
 mod shapes;
@@ -37,6 +39,7 @@ pub(crate) use light::row_cosine;
 pub use light::{Environment, Light, LightKind, Sky, Spot};
 pub use load::{Parsed, Source};
 pub use material::{Bsdf, Material, Textured};
+pub use medium::{Fog, Medium};
 pub use placed::{Instance, Object, Placement, Sphere};
 pub use texture::Texture;
 

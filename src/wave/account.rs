@@ -19,6 +19,7 @@ use std::time::Instant;
 pub(crate) enum Stage {
     Generate,
     Intersect,
+    Travel,
     Sort,
     Sky,
     Emission,
@@ -33,13 +34,14 @@ pub(crate) enum Stage {
 }
 
 impl Stage {
-    const COUNT: usize = 12 + Shader::ALL.len();
+    const COUNT: usize = 13 + Shader::ALL.len();
 
     /// All stages.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         let before = [
             Self::Generate,
             Self::Intersect,
+            Self::Travel,
             Self::Sort,
             Self::Sky,
             Self::Emission,
@@ -60,14 +62,15 @@ impl Stage {
         match self {
             Self::Generate => 0,
             Self::Intersect => 1,
-            Self::Sort => 2,
-            Self::Sky => 3,
-            Self::Emission => 4,
-            Self::Branch => 5,
-            Self::Disperse => 6,
-            Self::Interact => 7,
-            Self::Light => 8,
-            Self::Scatter(shader) => 9 + shader as usize,
+            Self::Travel => 2,
+            Self::Sort => 3,
+            Self::Sky => 4,
+            Self::Emission => 5,
+            Self::Branch => 6,
+            Self::Disperse => 7,
+            Self::Interact => 8,
+            Self::Light => 9,
+            Self::Scatter(shader) => 10 + shader as usize,
             Self::Occlude => Self::COUNT - 3,
             Self::Roulette => Self::COUNT - 2,
             Self::Film => Self::COUNT - 1,
@@ -78,6 +81,7 @@ impl Stage {
         match self {
             Self::Generate => "generate",
             Self::Intersect => "intersect",
+            Self::Travel => "travel",
             Self::Sort => "sort",
             Self::Sky => "shade: sky",
             Self::Emission => "shade: emission",

@@ -6,13 +6,17 @@ use super::plan::QueuePlan;
 use super::queue::Queue;
 use crate::effects::Effects;
 use huygens_kernels::compact::Kept;
-use huygens_kernels::queues::WavelengthsMut;
+use huygens_kernels::medium::OUTSIDE;
+use huygens_kernels::queues::{MediumsMut, WavelengthsMut};
+use huygens_kernels::soa::Layout;
 
 /// Which of them a render needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Carried {
     /// Wavelengths, where surfaces disperse light.
     pub(crate) wavelengths: bool,
+    /// Media, where there are any.
+    pub(crate) media: bool,
 }
 
 impl Carried {
@@ -20,6 +24,7 @@ impl Carried {
     pub(crate) fn new(effects: &Effects) -> Self {
         Self {
             wavelengths: effects.dispersion,
+            media: effects.media,
         }
     }
 }
@@ -39,6 +44,7 @@ pub(crate) enum Along {
 pub(crate) struct Extras {
     along: Along,
     wavelengths: Option<Queue<WavelengthsMut<'static>>>,
+    mediums: Option<Queue<MediumsMut<'static>>>,
 }
 
 /// `each!(self, queue => expression)`: the expression for each queue that is there; with a second set
@@ -48,9 +54,15 @@ macro_rules! each {
         if let Some($queue) = &mut $extras.wavelengths {
             $run;
         }
+        if let Some($queue) = &mut $extras.mediums {
+            $run;
+        }
     };
     ($extras:expr, $from:expr, ($queue:ident, $source:ident) => $run:expr) => {
         if let (Some($queue), Some($source)) = (&mut $extras.wavelengths, &$from.wavelengths) {
+            $run;
+        }
+        if let (Some($queue), Some($source)) = (&mut $extras.mediums, &$from.mediums) {
             $run;
         }
     };
@@ -61,27 +73,32 @@ impl Extras {
         Self {
             along,
             wavelengths: carried.wavelengths.then(|| Queue::new(capacity)),
+            mediums: carried.media.then(|| Queue::new(capacity)),
         }
     }
 
     /// Its queues, as they are.
     pub(crate) fn queues(&self) -> impl Iterator<Item = QueuePlan> {
-        let wavelengths = self.wavelengths.as_ref().and_then(|queue| {
-            let name = match self.along {
-                Along::Paths => "wavelengths",
-                Along::Scattered => "scattered wavelengths",
-                Along::Waiting => "waiting wavelengths",
-            };
-            QueuePlan::of(name, queue)
-        });
-        wavelengths.into_iter()
+        let [wavelengths, mediums] = match self.along {
+            Along::Paths => ["wavelengths", "media"],
+            Along::Scattered => ["scattered wavelengths", "scattered media"],
+            Along::Waiting => ["waiting wavelengths", "waiting media"],
+        };
+        let wavelengths = plan(wavelengths, self.wavelengths.as_ref());
+        wavelengths
+            .into_iter()
+            .chain(plan(mediums, self.mediums.as_ref()))
     }
 
-    /// What the camera rays at rows `at` and on carry: all wavelengths.
+    /// What the camera rays at rows `at` and on carry: all wavelengths, outside of all glass.
     pub(crate) fn start(&mut self, at: usize, n: usize) {
         if let Some(queue) = &mut self.wavelengths {
             queue.set_len(at + n);
             queue.view_mut().wavelength[at..at + n].fill(0.0);
+        }
+        if let Some(queue) = &mut self.mediums {
+            queue.set_len(at + n);
+            queue.view_mut().medium[at..at + n].fill(OUTSIDE);
         }
     }
 
@@ -108,8 +125,22 @@ impl Extras {
         }
     }
 
+    /// The medium of each path; none where there are no media.
+    pub(crate) fn mediums(&self) -> Option<&[u32]> {
+        self.mediums.as_ref().map(|queue| queue.view().medium)
+    }
+
+    /// The medium of each path, to be written.
+    pub(crate) fn mediums_mut(&mut self) -> Option<&mut [u32]> {
+        self.mediums.as_mut().map(|queue| queue.view_mut().medium)
+    }
+
     /// Wavelengths, to be written.
     pub(crate) fn wavelengths_mut(&mut self) -> Option<WavelengthsMut<'_>> {
         self.wavelengths.as_mut().map(Queue::view_mut)
     }
+}
+
+fn plan<L: Layout>(name: &'static str, queue: Option<&Queue<L>>) -> Option<QueuePlan> {
+    queue.and_then(|queue| QueuePlan::of(name, queue))
 }

@@ -18,6 +18,7 @@ mod instruments;
 mod intersect;
 mod light_tree;
 mod lights;
+mod media;
 mod mixtures;
 mod parameters;
 mod plan;
@@ -76,6 +77,8 @@ struct Wave<'a> {
     shadows: Queue<ShadowsMut<'static>>,
     occlusion: Queue<OcclusionMut<'static>>,
     kept: Vec<Kept>,
+    /// Scratch space: which row cast an occlusion ray, where there are media.
+    rows: Vec<u32>,
     account: Account,
     rays: u64,
 }
@@ -98,6 +101,7 @@ impl<'a> Wave<'a> {
             shadows: Queue::new(shadows),
             occlusion: Queue::new(shadows),
             kept: Vec::with_capacity(capacity),
+            rows: Vec::new(),
             account: Account::new(instruments, epoch),
             rays: 0,
         }
@@ -135,6 +139,7 @@ impl Wave<'_> {
             }
             self.rays += self.paths.len() as u64;
             self.intersect(slots);
+            self.travel();
             self.sort();
             self.emit(slots, samples);
             self.branch();

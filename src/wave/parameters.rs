@@ -4,6 +4,7 @@
 use crate::scene::material::{Dielectric, Principled};
 use crate::scene::{Bsdf, Material};
 use huygens_kernels::bsdf::fresnel::conductor_mean;
+use huygens_kernels::scatter::kinds::CAUCHY_B;
 use huygens_kernels::tables::SLOTS;
 
 /// The parameters of `material`. A mixture has none.
@@ -40,6 +41,11 @@ pub(crate) fn parameters(material: &Material) -> [f32; SLOTS] {
         Bsdf::Principled(p) => put_principled(p, put),
         Bsdf::Mix { .. } => {}
     }
+    if let Bsdf::Dielectric(glass) = &material.bsdf
+        && let Some(cauchy) = glass.dispersion.filter(|_| !glass.thin)
+    {
+        (slots[0], slots[CAUCHY_B]) = (cauchy.a, cauchy.b);
+    }
     slots
 }
 
@@ -48,14 +54,10 @@ fn flag(on: bool) -> f32 {
 }
 
 fn put_dielectric(glass: &Dielectric, mut put: impl FnMut(&[f32])) {
-    let (index, slope) = match glass.dispersion {
-        Some(cauchy) if !glass.thin => (cauchy.a, cauchy.b),
-        _ => (glass.ior, 0.0),
-    };
-    put(&[index, flag(glass.thin)]);
+    put(&[glass.ior, flag(glass.thin)]);
     put(&glass.reflection_tint.factor);
     put(&glass.transmission_tint.factor);
-    put(&[glass.roughness.factor, slope]);
+    put(&[glass.roughness.factor]);
 }
 
 fn put_principled(p: &Principled, mut put: impl FnMut(&[f32])) {

@@ -34,6 +34,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) wanted: Wanted,
     pub(crate) rules: Rules,
     pub(crate) capacity: usize,
+    /// The list of paths that media scattered, if any do.
+    pub(crate) medium_list: Option<usize>,
     /// What paths carry besides.
     pub(crate) carried: Carried,
     /// Branches of a path, by scattering event; none of paths that never branch.
@@ -67,8 +69,13 @@ impl<'a> Setup<'a> {
         if !program.is_transport() || branch::leaves(&split) == 1 {
             split.clear();
         }
-        let used = |s: &Shader| *s != Shader::Mix && effects.shaders.contains(s);
+        let used = |s: &Shader| match s {
+            Shader::Mix => false,
+            Shader::Medium => effects.scattering_media,
+            _ => effects.shaders.contains(s),
+        };
         let shaders: Vec<Shader> = Shader::ALL.into_iter().filter(used).collect();
+        let medium_list = shaders.iter().position(|s| *s == Shader::Medium);
         let list = |s: &Shader| shaders.iter().position(|t| t == s).unwrap_or(0) as u8;
         let routes = scene.materials.iter().zip(&effects.shaders);
         let routes = routes.map(|(m, shader)| Route {
@@ -99,6 +106,7 @@ impl<'a> Setup<'a> {
                 last_ray: program.last_ray_is_of_use(),
             },
             capacity: settings.wave.max(1),
+            medium_list,
             carried: Carried::new(effects),
             split,
         }
@@ -117,7 +125,7 @@ impl Setup<'_> {
     /// Whether a stage can find work.
     pub(crate) fn runs(&self, stage: Stage) -> bool {
         let transport = self.program.is_transport();
-        let mut elaborate = self.shaders.iter().filter(|&&s| s != Shader::Plain);
+        let mut elaborate = self.shaders.iter().filter(|s| s.has_rows());
         match stage {
             Stage::Generate | Stage::Intersect | Stage::Sort | Stage::Film => true,
             Stage::Sky => self.wanted.sky,
@@ -127,6 +135,7 @@ impl Setup<'_> {
             Stage::Scatter(shader) => self.shaders.contains(&shader),
             Stage::Occlude => self.casts_shadows(),
             Stage::Branch => !self.split.is_empty(),
+            Stage::Travel => self.carried.media,
             Stage::Disperse => self.carried.wavelengths,
             Stage::Roulette => transport,
         }

@@ -10,6 +10,7 @@ use super::tally::{Tally, for_each_run};
 use huygens_kernels::bsdf;
 use huygens_kernels::cost::Cost;
 use huygens_kernels::lanes::LANES;
+use huygens_kernels::medium::IN_MEDIUM;
 use huygens_kernels::queues::{LAST_RAY, Listed, PathHits, Paths};
 use huygens_kernels::rays::NO_PRIMITIVE;
 
@@ -223,6 +224,22 @@ impl Lists {
         setup: &Setup,
         wanted: Wanted,
     ) {
+        match setup.medium_list {
+            None => self.sort_with::<false>(n, paths, hits, setup, wanted, 0),
+            Some(list) => self.sort_with::<true>(n, paths, hits, setup, wanted, list),
+        }
+    }
+
+    /// `MEDIA` where paths may have been scattered before they met anything: they go to list `medium`.
+    fn sort_with<const MEDIA: bool>(
+        &mut self,
+        n: usize,
+        paths: Paths,
+        hits: PathHits,
+        setup: &Setup,
+        wanted: Wanted,
+        medium: usize,
+    ) {
         let routes = &setup.routes;
         let triangles = &setup.tables.triangles;
         self.all().for_each(IndexList::clear);
@@ -233,7 +250,9 @@ impl Lists {
             for i in run {
                 let light = !wanted.unsampled_only || paths.pdf[i] == bsdf::DELTA_PDF;
                 let primitive = hits.primitive[i];
-                if primitive == NO_PRIMITIVE {
+                if MEDIA && primitive == IN_MEDIUM {
+                    self.scatter[medium].push_if(i, paths.bounces[i] & LAST_RAY == 0);
+                } else if primitive == NO_PRIMITIVE {
                     self.sky.push_if(i, wanted.sky && light);
                 } else {
                     let (material, mut route) = match routes.only {

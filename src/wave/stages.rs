@@ -3,8 +3,10 @@
 use super::account::Stage;
 use super::branch::{Met, Slots};
 use super::generate::Source;
+use super::media::{self, Gone};
 use super::sampling::with_sampler;
 use super::sort::Wanted;
+use super::surfaces::Surfaces;
 use super::tally::Tally;
 use super::{Wave, intersect, roulette, shade, sort};
 use crate::effects::Shader;
@@ -16,7 +18,7 @@ use huygens_kernels::rays::{CLOSEST, OCCLUSION};
 use huygens_kernels::scatter::disperse::{DISPERSE, disperse};
 use huygens_kernels::scatter::interact::INTERACT;
 use huygens_kernels::scatter::light_up::LIGHT_UP;
-use huygens_kernels::scatter::{Out, plain, respond};
+use huygens_kernels::scatter::{Out, medium, plain, respond};
 use huygens_kernels::{camera, roulette as roulette_kernel};
 
 impl Wave<'_> {
@@ -151,7 +153,12 @@ impl Wave<'_> {
             );
             let before = (out.path_len, out.shadow_len);
             let cost = match &mut self.surfaces {
-                Some(surfaces) if shader != Shader::Plain => {
+                _ if shader == Shader::Medium => {
+                    let medium = extras.mediums().unwrap_or_default();
+                    media::in_medium(program, listed, medium, tables, sampler, &mut out);
+                    [medium::PATH, medium::SHADOW]
+                }
+                Some(surfaces) if shader.has_rows() => {
                     surfaces.interact(listed, tables, sampler);
                     account.book(Stage::Interact, tally, tally, INTERACT * list.len());
                     if setup.lights(shader) {
@@ -179,6 +186,19 @@ impl Wave<'_> {
             };
             if out.path_len > before.0 {
                 self.scattered_extras.append_rows(extras, list.indices());
+            }
+            if let (Some(media), Some(medium)) = (&tables.media, extras.mediums()) {
+                let surfaces = self.surfaces.as_ref().filter(|_| shader.passes());
+                let gone = Gone {
+                    listed,
+                    medium,
+                    surfaces: surfaces.map(Surfaces::rows),
+                };
+                let cast = before.1..out.shadow_len;
+                gone.attenuate(media, cast, &mut self.rows, &mut out.shadows);
+                if let Some(into) = self.scattered_extras.mediums_mut() {
+                    gone.cross(media, &out.paths, before.0, into);
+                }
             }
             let on = Tally::of(&out.paths.bounces[before.0..out.path_len], 0);
             let cast = Tally::of(&out.shadows.bounces[before.1..out.shadow_len], 0);

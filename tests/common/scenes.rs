@@ -122,6 +122,8 @@ impl Builder {
             textures: Vec::new(),
             sky: None,
             lights: Vec::new(),
+            media: Vec::new(),
+            fog: None,
             settings: Settings::default(),
             warnings: Vec::new(),
         }

@@ -34,6 +34,8 @@ pub fn empty() -> Scene {
         objects: Vec::new(),
         instances: Vec::new(),
         lights: Vec::new(),
+        media: Vec::new(),
+        fog: None,
         materials: vec![Material::diffuse("grey", [0.5; 3], [0.0; 3])],
         textures: Vec::new(),
         sky: None,

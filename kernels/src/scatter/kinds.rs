@@ -5,7 +5,7 @@
 //! | [`Diffuse`] | 0-2 reflectance |
 //! | [`RoughDiffuse`] | 0-2 reflectance, 3 roughness |
 //! | [`SmoothConductor`], [`RoughConductor`] | 0-2 eta, 3-5 k, 6-8 tint, 9 roughness, 10 anisotropy, 11-13 mean reflectance |
-//! | [`SmoothDielectric`], [`RoughDielectric`] | 0 index of refraction, 1 thin, 2-4 tint of reflection, 5-7 of transmission, 8 roughness; where they disperse, 0 is Cauchy's `a` and 9 `b`, nm^2 |
+//! | [`SmoothDielectric`], [`RoughDielectric`] | 0 index of refraction, 1 thin, 2-4 tint of reflection, 5-7 of transmission, 8 roughness; where they disperse, 0 is Cauchy's `a` and 19 `b`, nm^2 |
 //! | [`Principled`] | 0-2 base colour, 3 metallic, 4 roughness, 5 index of refraction, 6 specular, 7-9 its colour, 10 transmission, 11 thin, 12 coat, 13 its roughness, 14-16 sheen, 17 its roughness |
 //!
 //! A roughness is perceptual, as in glTF: the distribution's width alpha is its square, and at least
@@ -17,8 +17,11 @@ use crate::bsdf::{
 };
 use crate::dispersion::index_at;
 use crate::lanes::{Fx, Mask};
-use crate::tables::Parameters;
+use crate::tables::{Parameters, SLOTS};
 use crate::vec3::Vec3x;
+
+/// The slot of Cauchy's `b`: the last one, behind whatever else glass has.
+pub const CAUCHY_B: usize = SLOTS - 1;
 
 /// Lambertian reflection that is not plain: its surface is interpolated or textured.
 #[derive(Clone, Copy, Debug)]
@@ -155,7 +158,7 @@ impl Kind for RoughConductor {
 fn glass<const DISPERSIVE: bool>(parameters: Parameters, front: Mask) -> bsdf::SmoothDielectric {
     let (ior, thin) = (parameters.number(0), flag(parameters.number(1)));
     let ior = if DISPERSIVE {
-        index_at(ior, parameters.number(9), parameters.wavelength)
+        index_at(ior, parameters.number(CAUCHY_B), parameters.wavelength)
     } else {
         ior
     };

@@ -35,6 +35,8 @@ pub(crate) fn scene() -> Scene {
         textures: Vec::new(),
         sky: None,
         lights: Vec::new(),
+        media: Vec::new(),
+        fog: None,
         settings: Settings {
             ao_distance: Some(2.5),
             ..Settings::default()

@@ -31,7 +31,7 @@ pub(in crate::scene) struct Surfaces {
     pub(in crate::scene) warnings: Vec<String>,
 }
 
-/// Compiles the materials of a scene file.
+/// Compiles the materials of a scene file, whose media have these names.
 ///
 /// # Errors
 /// Keys that the kind has no use for, values that no surface has, unknown names, textures that are
@@ -39,6 +39,7 @@ pub(in crate::scene) struct Surfaces {
 pub(in crate::scene) fn compile(
     file: &SceneFile,
     said: &BTreeMap<String, Spanned<said::Material>>,
+    media: &[&str],
 ) -> Result<Surfaces, SceneError> {
     let names: Vec<&str> = said.keys().map(String::as_str).collect();
     let mut images = Images::new(file);
@@ -47,6 +48,7 @@ pub(in crate::scene) fn compile(
         let mut compiler = Compiler {
             file,
             names: &names,
+            media,
             images: &mut images,
             span: said.span(),
         };
@@ -81,6 +83,8 @@ fn holds_itself(materials: &[Material], sought: usize, at: usize, depth: usize) 
 struct Compiler<'a, 'f> {
     file: &'f SceneFile,
     names: &'a [&'a str],
+    /// Names of media.
+    media: &'a [&'a str],
     images: &'a mut Images<'f>,
     /// Of the material.
     span: Range<usize>,
@@ -209,7 +213,7 @@ impl Compiler<'_, '_> {
             reflection_tint: self.images.value(&m.reflection_tint, [1.0; 3])?,
             transmission_tint: self.images.value(&m.transmission_tint, [1.0; 3])?,
             dispersion,
-            interior: None,
+            interior: glass::interior(self.file, self.media, m)?,
         })
     }
 
@@ -305,6 +309,7 @@ fn nothing_needless(file: &SceneFile, m: &said::Material, kind: Kind) -> Result<
         transmission_tint: [Dielectric],
         abbe: [Dielectric],
         cauchy: [Dielectric],
+        interior: [Dielectric],
         base_color: [Principled],
         metallic: [Principled],
         specular: [Principled],

@@ -1,8 +1,9 @@
-//! What a scene file says of glass beside its surface: how its index varies.
+//! What a scene file says of glass beside its surface: how its index varies, and what is inside.
 
 use super::said;
 use crate::scene::error::SceneError;
 use crate::scene::material::{Cauchy, Dielectric};
+use crate::scene::media::named;
 use crate::scene::toml::SceneFile;
 use huygens_kernels::dispersion::{LONGEST, SHORTEST};
 
@@ -56,4 +57,23 @@ pub(super) fn index(
     }
     let ior = if m.cauchy.is_some() { at(D_LINE) } else { ior };
     Ok((ior, Some(cauchy)))
+}
+
+/// The medium inside, by its place among `media`.
+///
+/// # Errors
+/// A medium that is not there, and one inside of a pane.
+pub(super) fn interior(
+    file: &SceneFile,
+    media: &[&str],
+    m: &said::Material,
+) -> Result<Option<u32>, SceneError> {
+    let Some(name) = &m.interior else {
+        return Ok(None);
+    };
+    if m.thin.as_ref().is_some_and(|thin| *thin.get_ref()) {
+        let message = "found in a `thin` pane, which has no inside";
+        return Err(file.error(name.span(), message));
+    }
+    named(file, media, name).map(Some)
 }
