@@ -34,6 +34,8 @@ pub struct Effects {
     pub emission: bool,
     /// Whether surfaces disperse light: paths carry a wavelength.
     pub dispersion: bool,
+    /// Whether anything moves while the shutter is open: paths live at a moment.
+    pub motion: bool,
     /// Whether there are media: rays lose light on their way.
     pub media: bool,
     /// Whether any of them scatters.
@@ -47,6 +49,10 @@ impl Effects {
         let mut effects = Self::default();
         let transport = settings.integrator.is_transport();
         effects.camera(scene);
+        if let Some(reason) = scene.moves() {
+            effects.motion = true;
+            effects.add("motion", reason);
+        }
         if let Some(sphere) = scene.spheres.first() {
             let worn = &scene.materials[sphere.material as usize];
             effects.add("spheres", material(worn));

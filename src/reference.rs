@@ -34,7 +34,7 @@ use fog::Fog;
 use glam::DVec3;
 use lights::Lights;
 use rand_pcg::rand_core::Rng;
-use random::{filter_offset, generator};
+use random::{filter_offset, generator, uniform};
 use std::sync::atomic::{AtomicBool, Ordering};
 use world::{Ray, World};
 
@@ -73,13 +73,22 @@ impl<'a> Reference<'a> {
             roulette: false,
             ..settings.clone()
         };
+        Self::of(
+            scene,
+            settings.seed,
+            unbounded.depth_limit().min(Self::DEEPEST),
+            settings.strategy == Strategy::Uniform,
+        )
+    }
+
+    fn of(scene: &'a Scene, seed: u32, max_depth: u32, uniform: bool) -> Self {
         Self {
             world: World::new(scene),
             lights: Lights::new(scene),
             fog: Fog::new(scene),
-            seed: settings.seed,
-            max_depth: unbounded.depth_limit().min(Self::DEEPEST),
-            uniform: settings.strategy == Strategy::Uniform,
+            seed,
+            max_depth,
+            uniform,
         }
     }
 
@@ -126,8 +135,16 @@ impl<'a> Reference<'a> {
         let filter = self.world.scene.film.filter;
         let x = f64::from(x) + 0.5 + filter_offset(filter, &mut rng);
         let y = f64::from(y) + 0.5 + filter_offset(filter, &mut rng);
-        let ray = camera::ray(self.world.scene, x, y, &mut rng);
-        self.radiance(&mut rng, &ray, 0).into()
+        let scene = self.world.scene;
+        if scene.moves().is_none() {
+            let ray = camera::ray(scene, x, y, &mut rng);
+            return self.radiance(&mut rng, &ray, 0).into();
+        }
+        // Everything at one moment, made anew for every sample: slow, and sure.
+        let scene = scene.frozen(uniform(&mut rng));
+        let now = Reference::of(&scene, self.seed, self.max_depth, self.uniform);
+        let ray = camera::ray(&scene, x, y, &mut rng);
+        now.radiance(&mut rng, &ray, 0).into()
     }
 }
 

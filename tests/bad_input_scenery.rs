@@ -24,6 +24,38 @@ fn lens_message(keys: &str) -> String {
 }
 
 #[test]
+fn motions_that_cannot_be() {
+    let camera = "[camera]\norigin = [0, 0, 5]\ntarget = [0, 0, 0]\n";
+    for (said, wrong) in [
+        (
+            "motion = { rotate = { axis = [0, 0, 0], degrees = 9 } }",
+            "s.toml:4:21: camera.motion.rotate: the axis is zero, expected a direction",
+        ),
+        (
+            "motion = { rotate = { axis = [0, 1, 0], degrees = -400 } }",
+            "s.toml:4:21: camera.motion.rotate: found -400 degrees, expected a turn of at most 360",
+        ),
+        (
+            "motion = { translate = [1, 2] }",
+            "s.toml:4:24: camera.motion.translate: found an array of length 2, expected an array of length 3",
+        ),
+        (
+            "motion = { scale = 2 }",
+            "s.toml:4:12: unknown key `scale` in `camera.motion`, expected `translate` or `rotate`",
+        ),
+    ] {
+        assert_eq!(message(&format!("{camera}{said}\n")), wrong);
+    }
+    let instance = "[[objects.o.shapes]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n\
+                    [[instances]]\nobject = \"o\"\n\
+                    motion = { rotate = { axis = [1, 0, 0], degrees = 361 } }\n";
+    assert_eq!(
+        message(instance),
+        "s.toml:5:21: instances[0].motion.rotate: found 361 degrees, expected a turn of at most 360"
+    );
+}
+
+#[test]
 fn media_that_cannot_be() {
     for (text, wrong) in [
         (

@@ -6,7 +6,7 @@ use common::scenes;
 use huygens::film::Film;
 use huygens::geometry::Geometry;
 use huygens::scene::material::{Cauchy, Dielectric};
-use huygens::scene::{Bsdf, Fog, Medium, Scene};
+use huygens::scene::{Bsdf, Fog, Medium, Motion, Scene};
 use huygens::settings::{Integrator, Settings, Strategy};
 use huygens::wave::{self, Control, Plan};
 
@@ -233,4 +233,29 @@ fn a_medium_adds_its_stages_and_nothing_else_does() {
         ..settings()
     };
     assert!(!plan(&scene, &look).stages.contains(&"travel"));
+}
+
+/// Motion adds a stage, a column a path and one an occlusion ray; stillness adds nothing.
+#[test]
+fn what_moves_adds_times_and_what_stands_does_not() {
+    let mut scene = scenes::cornell_box(16);
+    let still = plan(&scene, &settings());
+    assert!(!still.stages.contains(&"shutter"));
+    assert!(!queues(&still).iter().any(|q| q.0.contains("times")));
+    scene.camera_motion = Some(Motion {
+        travel: [10.0, 0.0, 0.0],
+        axis: [0.0, 1.0, 0.0],
+        turns: 0.0,
+    });
+    let moves = plan(&scene, &settings());
+    let motion = moves.effects.iter().find(|e| e.name == "motion");
+    assert_eq!(motion.expect("an effect").reason, "the camera's `motion`");
+    for queue in ["times", "scattered times", "shadow times"] {
+        let found = queues(&moves).into_iter().find(|q| q.0 == queue);
+        assert_eq!(found.expect(queue).1, ["time"]);
+    }
+    let mut others = queues(&moves);
+    others.retain(|q| !q.0.contains("times"));
+    assert_eq!(others, queues(&still));
+    assert_eq!(ran(&scene, &settings()), moves.stages);
 }

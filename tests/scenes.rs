@@ -315,3 +315,15 @@ fn the_fog_has_tea_and_milk_in_it() {
     }
     assert_eq!(scene.media_in_use().count(), 3);
 }
+
+#[test]
+fn of_the_scene_in_motion_two_instances_move() {
+    let scene = load("motion.toml");
+    let motions: Vec<_> = scene.instances.iter().map(|i| i.motion).collect();
+    let [Some(wheel), Some(die), None] = motions[..] else {
+        panic!("{motions:?}");
+    };
+    assert_eq!((wheel.travel, wheel.axis), ([0.0; 3], [0.0, 0.0, 1.0]));
+    assert_eq!(wheel.turns, 30.0 / 360.0);
+    assert_eq!(die.travel, [0.55, 0.3, 0.0]);
+}

@@ -34,6 +34,7 @@ pub mod many;
 pub mod math;
 pub mod medium;
 pub mod mis;
+pub mod motion;
 pub mod octahedral;
 pub mod order;
 pub mod others;

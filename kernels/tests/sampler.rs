@@ -276,7 +276,7 @@ fn blocks_are_independent() {
 #[test]
 fn numbers_drawn_apart_are_independent_of_the_others() {
     let mut suite = Suite::default();
-    for what in [Apart::Wavelength, Apart::Medium] {
+    for what in [Apart::Wavelength, Apart::Medium, Apart::Time] {
         let mut cells = vec![[[0u64; 64]; 16]; 4];
         for seed in 0..4096 {
             let mut k = 0;

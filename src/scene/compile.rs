@@ -13,6 +13,7 @@ use super::lights;
 use super::load::GeometryFile;
 use super::material::Material;
 use super::media;
+use super::motion::{self, Motion};
 use super::placed::Placed;
 use super::shapes::Shapes;
 use super::surfaces::{Surfaces, bind};
@@ -31,6 +32,7 @@ pub(super) fn check(file: &SceneFile, said: &Description) -> Result<(), SceneErr
     match &said.camera {
         Some(camera) => {
             let film = film(Some(&said.film));
+            motion::compile(file, camera.get_ref().motion.as_ref())?;
             camera::compile(camera.get_ref(), camera.span(), film, file).map(|_| ())
         }
         None => Ok(()),
@@ -78,6 +80,7 @@ pub(super) fn native(
         name: said.name.clone().unwrap_or_else(|| stem(path)),
         hash: [0; 32],
         camera,
+        camera_motion: camera_motion(file, said)?,
         film,
         sky,
         lights,
@@ -123,6 +126,7 @@ pub(super) fn bare(
         name: stem(path),
         hash: [0; 32],
         camera,
+        camera_motion: None,
         film,
         sky: None,
         lights: Vec::new(),
@@ -141,6 +145,12 @@ pub(super) fn bare(
         scene.sky = Some(SOFT_SKY);
     }
     Ok(finish(scene))
+}
+
+/// How the camera moves.
+fn camera_motion(file: &SceneFile, said: &Description) -> Result<Option<Motion>, SceneError> {
+    let camera = said.camera.as_ref().map(|c| c.get_ref());
+    motion::compile(file, camera.and_then(|c| c.motion.as_ref()))
 }
 
 /// What both kinds of scene end with: the hash, and warnings about the whole.

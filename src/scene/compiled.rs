@@ -3,6 +3,7 @@
 use super::light::{Light, Sky};
 use super::material::Material;
 use super::medium::{Fog, Medium};
+use super::motion::Motion;
 use super::placed::{Instance, Object, Sphere};
 use super::texture::Texture;
 use crate::settings::Settings;
@@ -17,6 +18,8 @@ pub struct Scene {
     pub hash: [u8; 32],
     /// The camera.
     pub camera: Camera,
+    /// How it moves while the shutter is open, if it does, about where it stands when that opens.
+    pub camera_motion: Option<Motion>,
     /// The film.
     pub film: FilmSpec,
     /// All triangles but those of objects.

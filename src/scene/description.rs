@@ -4,7 +4,7 @@
 use super::compiled::Filter;
 use super::import::{Counts, Format};
 use super::surfaces::Material;
-use super::transform::Transform;
+use super::transform::{Rotation, Transform};
 use super::values::{
     Angle, Count, FieldOfView, Finite, MeanCosine, Natural, NonNegative, OneOrThree, Pixels,
     Positive, Radius, Turbidity, Unit,
@@ -87,6 +87,16 @@ pub(super) struct Instance {
     pub(super) material: Option<Spanned<String>>,
     pub(super) transform: Option<Spanned<Transform>>,
     pub(super) scatter: Option<Scatter>,
+    pub(super) motion: Option<Spanned<Motion>>,
+}
+
+/// What moves while the shutter is open.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[serde(expecting = "a table such as { translate = [1, 0, 0] }")]
+pub(super) struct Motion {
+    pub(super) translate: Option<[Finite; 3]>,
+    pub(super) rotate: Option<Spanned<Rotation>>,
 }
 
 impl Instance {
@@ -125,6 +135,7 @@ pub(super) struct Camera {
     pub(super) focus: Option<Spanned<Positive>>,
     pub(super) focus_at: Option<Spanned<[Finite; 3]>>,
     pub(super) width: Option<Spanned<Positive>>,
+    pub(super) motion: Option<Spanned<Motion>>,
 }
 
 /// How a camera projects.

@@ -21,6 +21,7 @@ mod load;
 pub mod material;
 mod media;
 mod medium;
+pub(crate) mod motion;
 mod placed;
 mod projection;
 mod shapes;
@@ -40,6 +41,7 @@ pub use light::{Environment, Light, LightKind, Sky, Spot};
 pub use load::{Parsed, Source};
 pub use material::{Bsdf, Material, Textured};
 pub use medium::{Fog, Medium};
+pub use motion::Motion;
 pub use placed::{Instance, Object, Placement, Sphere};
 pub use texture::Texture;
 

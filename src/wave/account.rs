@@ -18,6 +18,7 @@ use std::time::Instant;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stage {
     Generate,
+    Shutter,
     Intersect,
     Travel,
     Sort,
@@ -34,12 +35,13 @@ pub(crate) enum Stage {
 }
 
 impl Stage {
-    const COUNT: usize = 13 + Shader::ALL.len();
+    const COUNT: usize = 14 + Shader::ALL.len();
 
     /// All stages.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         let before = [
             Self::Generate,
+            Self::Shutter,
             Self::Intersect,
             Self::Travel,
             Self::Sort,
@@ -61,16 +63,17 @@ impl Stage {
     fn index(self) -> usize {
         match self {
             Self::Generate => 0,
-            Self::Intersect => 1,
-            Self::Travel => 2,
-            Self::Sort => 3,
-            Self::Sky => 4,
-            Self::Emission => 5,
-            Self::Branch => 6,
-            Self::Disperse => 7,
-            Self::Interact => 8,
-            Self::Light => 9,
-            Self::Scatter(shader) => 10 + shader as usize,
+            Self::Shutter => 1,
+            Self::Intersect => 2,
+            Self::Travel => 3,
+            Self::Sort => 4,
+            Self::Sky => 5,
+            Self::Emission => 6,
+            Self::Branch => 7,
+            Self::Disperse => 8,
+            Self::Interact => 9,
+            Self::Light => 10,
+            Self::Scatter(shader) => 11 + shader as usize,
             Self::Occlude => Self::COUNT - 3,
             Self::Roulette => Self::COUNT - 2,
             Self::Film => Self::COUNT - 1,
@@ -80,6 +83,7 @@ impl Stage {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Generate => "generate",
+            Self::Shutter => "shutter",
             Self::Intersect => "intersect",
             Self::Travel => "travel",
             Self::Sort => "sort",

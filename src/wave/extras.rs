@@ -7,7 +7,7 @@ use super::queue::Queue;
 use crate::effects::Effects;
 use huygens_kernels::compact::Kept;
 use huygens_kernels::medium::OUTSIDE;
-use huygens_kernels::queues::{MediumsMut, WavelengthsMut};
+use huygens_kernels::queues::{MediumsMut, TimesMut, WavelengthsMut};
 use huygens_kernels::soa::Layout;
 
 /// Which of them a render needs.
@@ -17,6 +17,8 @@ pub(crate) struct Carried {
     pub(crate) wavelengths: bool,
     /// Media, where there are any.
     pub(crate) media: bool,
+    /// Moments, where something moves.
+    pub(crate) times: bool,
 }
 
 impl Carried {
@@ -25,6 +27,7 @@ impl Carried {
         Self {
             wavelengths: effects.dispersion,
             media: effects.media,
+            times: effects.motion,
         }
     }
 }
@@ -45,6 +48,7 @@ pub(crate) struct Extras {
     along: Along,
     wavelengths: Option<Queue<WavelengthsMut<'static>>>,
     mediums: Option<Queue<MediumsMut<'static>>>,
+    times: Option<Queue<TimesMut<'static>>>,
 }
 
 /// `each!(self, queue => expression)`: the expression for each queue that is there; with a second set
@@ -57,12 +61,18 @@ macro_rules! each {
         if let Some($queue) = &mut $extras.mediums {
             $run;
         }
+        if let Some($queue) = &mut $extras.times {
+            $run;
+        }
     };
     ($extras:expr, $from:expr, ($queue:ident, $source:ident) => $run:expr) => {
         if let (Some($queue), Some($source)) = (&mut $extras.wavelengths, &$from.wavelengths) {
             $run;
         }
         if let (Some($queue), Some($source)) = (&mut $extras.mediums, &$from.mediums) {
+            $run;
+        }
+        if let (Some($queue), Some($source)) = (&mut $extras.times, &$from.times) {
             $run;
         }
     };
@@ -74,20 +84,26 @@ impl Extras {
             along,
             wavelengths: carried.wavelengths.then(|| Queue::new(capacity)),
             mediums: carried.media.then(|| Queue::new(capacity)),
+            times: carried.times.then(|| Queue::new(capacity)),
         }
     }
 
     /// Its queues, as they are.
     pub(crate) fn queues(&self) -> impl Iterator<Item = QueuePlan> {
-        let [wavelengths, mediums] = match self.along {
-            Along::Paths => ["wavelengths", "media"],
-            Along::Scattered => ["scattered wavelengths", "scattered media"],
-            Along::Waiting => ["waiting wavelengths", "waiting media"],
+        let [wavelengths, mediums, times] = match self.along {
+            Along::Paths => ["wavelengths", "media", "times"],
+            Along::Scattered => [
+                "scattered wavelengths",
+                "scattered media",
+                "scattered times",
+            ],
+            Along::Waiting => ["waiting wavelengths", "waiting media", "waiting times"],
         };
         let wavelengths = plan(wavelengths, self.wavelengths.as_ref());
         wavelengths
             .into_iter()
             .chain(plan(mediums, self.mediums.as_ref()))
+            .chain(plan(times, self.times.as_ref()))
     }
 
     /// What the camera rays at rows `at` and on carry: all wavelengths, outside of all glass.
@@ -99,6 +115,10 @@ impl Extras {
         if let Some(queue) = &mut self.mediums {
             queue.set_len(at + n);
             queue.view_mut().medium[at..at + n].fill(OUTSIDE);
+        }
+        // Moments are drawn when the shutter opens.
+        if let Some(queue) = &mut self.times {
+            queue.set_len(at + n);
         }
     }
 
@@ -133,6 +153,16 @@ impl Extras {
     /// The medium of each path, to be written.
     pub(crate) fn mediums_mut(&mut self) -> Option<&mut [u32]> {
         self.mediums.as_mut().map(|queue| queue.view_mut().medium)
+    }
+
+    /// The moment of each path; none where nothing moves.
+    pub(crate) fn times(&self) -> Option<&[f32]> {
+        self.times.as_ref().map(|queue| queue.view().time)
+    }
+
+    /// The moment of each path, to be written.
+    pub(crate) fn times_mut(&mut self) -> Option<&mut [f32]> {
+        self.times.as_mut().map(|queue| queue.view_mut().time)
     }
 
     /// Wavelengths, to be written.

@@ -138,41 +138,20 @@ pub(crate) struct Gone<'a, 'b> {
 
 impl Gone<'_, '_> {
     /// Takes from the light of its occlusion rays, items `cast` of `shadows`, what the media take.
-    /// `rows` is scratch space.
+    /// `rows` are those that cast them ([`super::cast::rows_of`]).
     pub(crate) fn attenuate(
         &self,
         media: &Media,
         cast: Range<usize>,
-        rows: &mut Vec<u32>,
+        rows: &[u32],
         shadows: &mut ShadowsMut,
     ) {
-        if cast.is_empty() {
-            return;
-        }
-        self.find_rows(&shadows.slot[cast.clone()], rows);
         let Self {
             listed,
             medium,
             surfaces,
         } = *self;
         medium::attenuate(cast, rows, listed, medium, media, surfaces, shadows);
-    }
-
-    /// The rows that cast these occlusion rays, padded. Rays are in the order of their rows, at most one
-    /// a row, and no two paths share a slot.
-    fn find_rows(&self, slots: &[u32], rows: &mut Vec<u32>) {
-        let Listed { index, paths, .. } = self.listed;
-        rows.clear();
-        let mut row = 0;
-        for &slot in slots {
-            while paths.slot[index[row] as usize] != slot {
-                row += 1;
-            }
-            rows.push(row as u32);
-            row += 1;
-        }
-        let padded = huygens_kernels::lanes::padded(rows.len());
-        rows.resize(padded, 0);
     }
 
     /// Writes the media of the paths that it became, items `from` and on of `scattered`.

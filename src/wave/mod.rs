@@ -9,6 +9,7 @@
 mod account;
 mod branch;
 mod camera;
+mod cast;
 mod control;
 mod counters;
 mod environment;
@@ -30,6 +31,7 @@ mod sampling;
 mod scheduler;
 mod setup;
 mod shade;
+mod shutter;
 mod sort;
 mod stages;
 mod stats;
@@ -54,6 +56,7 @@ use huygens_kernels::compact::Kept;
 use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
 use queue::Queue;
 use setup::Setup;
+use shutter::ShadowTimes;
 use sort::Lists;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -77,7 +80,10 @@ struct Wave<'a> {
     shadows: Queue<ShadowsMut<'static>>,
     occlusion: Queue<OcclusionMut<'static>>,
     kept: Vec<Kept>,
-    /// Scratch space: which row cast an occlusion ray, where there are media.
+    /// The moments of occlusion rays, where something moves.
+    shadow_times: Option<ShadowTimes>,
+    /// Scratch space: which row cast an occlusion ray, where there are media or something
+    /// moves.
     rows: Vec<u32>,
     account: Account,
     rays: u64,
@@ -101,6 +107,7 @@ impl<'a> Wave<'a> {
             shadows: Queue::new(shadows),
             occlusion: Queue::new(shadows),
             kept: Vec::with_capacity(capacity),
+            shadow_times: setup.carried.times.then(|| ShadowTimes::new(shadows)),
             rows: Vec::new(),
             account: Account::new(instruments, epoch),
             rays: 0,
@@ -119,6 +126,7 @@ impl<'a> Wave<'a> {
         queues.extend(QueuePlan::of("scattered", &self.scattered));
         queues.extend(self.scattered_extras.queues());
         queues.extend(QueuePlan::of("shadows", &self.shadows));
+        queues.extend(self.shadow_times.iter().filter_map(ShadowTimes::plan));
         queues.extend(QueuePlan::of("occlusion", &self.occlusion));
         queues
     }

@@ -15,6 +15,7 @@ use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::settings::{Integrator, Settings};
 use huygens_kernels::camera::Lens;
+use huygens_kernels::motion::CameraMotion;
 use huygens_kernels::roulette::{GAINS, Rules};
 use huygens_kernels::tables::Tables;
 
@@ -36,6 +37,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) capacity: usize,
     /// The list of paths that media scattered, if any do.
     pub(crate) medium_list: Option<usize>,
+    /// How the camera moves, if it does.
+    pub(crate) camera_motion: Option<CameraMotion>,
     /// What paths carry besides.
     pub(crate) carried: Carried,
     /// Branches of a path, by scattering event; none of paths that never branch.
@@ -107,6 +110,10 @@ impl<'a> Setup<'a> {
             },
             capacity: settings.wave.max(1),
             medium_list,
+            camera_motion: scene.camera_motion.map(|motion| CameraMotion {
+                motion,
+                pivot: scene.camera.origin,
+            }),
             carried: Carried::new(effects),
             split,
         }
@@ -135,6 +142,7 @@ impl Setup<'_> {
             Stage::Scatter(shader) => self.shaders.contains(&shader),
             Stage::Occlude => self.casts_shadows(),
             Stage::Branch => !self.split.is_empty(),
+            Stage::Shutter => self.carried.times,
             Stage::Travel => self.carried.media,
             Stage::Disperse => self.carried.wavelengths,
             Stage::Roulette => transport,

@@ -56,6 +56,7 @@ impl IndexList {
             paths,
             hits,
             material: None,
+            times: None,
         }
     }
 

@@ -5,15 +5,16 @@ use super::branch::{Met, Slots};
 use super::generate::Source;
 use super::media::{self, Gone};
 use super::sampling::with_sampler;
+use super::shutter::ShadowTimes;
 use super::sort::Wanted;
 use super::surfaces::Surfaces;
 use super::tally::Tally;
-use super::{Wave, intersect, roulette, shade, sort};
+use super::{Wave, cast, intersect, roulette, shade, sort};
 use crate::effects::Shader;
 use crate::film::SampleBuffer;
 use huygens_kernels::cost::{Cost, item};
 use huygens_kernels::emission::{SKY, SURFACE, UNOCCLUDED};
-use huygens_kernels::queues::{PathHitsMut, PathsMut};
+use huygens_kernels::queues::{Listed, PathHitsMut, PathsMut};
 use huygens_kernels::rays::{CLOSEST, OCCLUSION};
 use huygens_kernels::scatter::disperse::{DISPERSE, disperse};
 use huygens_kernels::scatter::interact::INTERACT;
@@ -36,6 +37,7 @@ impl Wave<'_> {
             let cost = camera::COST * new;
             let nothing = Tally::default();
             self.account.book(Stage::Generate, &nothing, &out, cost);
+            self.open_shutter(new);
         }
     }
 
@@ -43,6 +45,7 @@ impl Wave<'_> {
         let account = &mut self.account;
         intersect::intersect(
             self.setup.geometry,
+            self.extras.times(),
             &mut self.paths,
             &mut self.hits,
             |slot| {
@@ -70,6 +73,7 @@ impl Wave<'_> {
         let (paths, hits) = (self.paths.view(), self.hits.view());
         let account = &mut self.account;
         let nothing = Tally::default();
+        let times = self.extras.times();
         let list = &self.lists.sky;
         if list.len() > 0 {
             shade::sky(program, list.of(paths, hits), tables, samples, |slot| {
@@ -79,7 +83,11 @@ impl Wave<'_> {
         }
         let list = &self.lists.emission;
         if list.len() > 0 {
-            shade::emission(program, list.of(paths, hits), tables, samples, |slot| {
+            let listed = Listed {
+                times,
+                ..list.of(paths, hits)
+            };
+            shade::emission(program, listed, tables, samples, |slot| {
                 account.drop_sample(Stage::Emission.name(), slots.sample_of(slot));
             });
             let cost = SURFACE * list.len();
@@ -148,7 +156,10 @@ impl Wave<'_> {
             }
             let (stage, listed, tally) = (
                 Stage::Scatter(shader),
-                self.lists.scatter(k, paths, hits),
+                Listed {
+                    times: extras.times(),
+                    ..self.lists.scatter(k, paths, hits)
+                },
                 &list.tally,
             );
             let before = (out.path_len, out.shadow_len);
@@ -187,6 +198,13 @@ impl Wave<'_> {
             if out.path_len > before.0 {
                 self.scattered_extras.append_rows(extras, list.indices());
             }
+            let cast = before.1..out.shadow_len;
+            if tables.media.is_some() || self.shadow_times.is_some() {
+                cast::rows_of(listed, &out.shadows.slot[cast.clone()], &mut self.rows);
+            }
+            if let Some(times) = &mut self.shadow_times {
+                times.give(cast.clone(), listed, &self.rows);
+            }
             if let (Some(media), Some(medium)) = (&tables.media, extras.mediums()) {
                 let surfaces = self.surfaces.as_ref().filter(|_| shader.passes());
                 let gone = Gone {
@@ -194,8 +212,7 @@ impl Wave<'_> {
                     medium,
                     surfaces: surfaces.map(Surfaces::rows),
                 };
-                let cast = before.1..out.shadow_len;
-                gone.attenuate(media, cast, &mut self.rows, &mut out.shadows);
+                gone.attenuate(media, cast, &self.rows, &mut out.shadows);
                 if let Some(into) = self.scattered_extras.mediums_mut() {
                     gone.cross(media, &out.paths, before.0, into);
                 }
@@ -219,6 +236,7 @@ impl Wave<'_> {
         let mut lost = Vec::new();
         intersect::occlude(
             self.setup.geometry,
+            self.shadow_times.as_ref().map(ShadowTimes::all),
             &mut self.shadows,
             &mut self.occlusion,
             samples,

@@ -68,6 +68,7 @@ impl<'a> SceneTables<'a> {
             sphere_material: &self.sphere_material,
             sphere_selection: &self.lights.sphere_selection,
             instances,
+            motions: geometry.motions(),
             guide: guide?,
             objects: &self.objects,
         })

@@ -100,6 +100,7 @@ impl Builder {
             object,
             placement: Placement::new(map).expect("a map of ordinary size"),
             material,
+            motion: None,
         });
     }
 
@@ -123,6 +124,7 @@ impl Builder {
             sky: None,
             lights: Vec::new(),
             media: Vec::new(),
+            camera_motion: None,
             fog: None,
             settings: Settings::default(),
             warnings: Vec::new(),

@@ -70,6 +70,8 @@ pub fn block(bounces: Ux, what: Block) -> Ux {
 pub enum Apart {
     /// One for the wavelength.
     Wavelength,
+    /// One for the moment that it lives at.
+    Time,
     /// One for how far a ray goes in a medium, one for the channel that says so.
     Medium,
 }

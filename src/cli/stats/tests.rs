@@ -36,6 +36,7 @@ pub(crate) fn scene() -> Scene {
         sky: None,
         lights: Vec::new(),
         media: Vec::new(),
+        camera_motion: None,
         fog: None,
         settings: Settings {
             ao_distance: Some(2.5),

@@ -72,6 +72,7 @@ fn scene(triangles: usize, points: usize, rng: &mut Pcg64) -> Scene {
         sky: None,
         lights: (0..points).map(|k| light(k, rng)).collect(),
         media: Vec::new(),
+        camera_motion: None,
         fog: None,
         settings: crate::settings::Settings::default(),
         warnings: Vec::new(),
