@@ -6,7 +6,7 @@
 //! Li(ray, depth) = Le + f(omega_o, omega_i) * cos_theta_i * Li(next ray, depth + 1) / pdf(omega_i)
 //! ```
 //!
-//! with one direction from the hemisphere at every surface, no next-event estimation but of lights
+//! with one direction at every surface, no next-event estimation but of lights
 //! that no direction finds (all of which are summed over at every surface), no roulette, no queue and
 //! no acceleration structure: every ray is tested against every triangle, so it is for scenes of a few
 //! hundred triangles at most. It shares no code with the kernels, on purpose:
@@ -14,10 +14,11 @@
 //!
 //! What it means by its words is what the wave means: a path scatters at most
 //! [`Settings::depth_limit`] times, and 0 shows emission only; a surface emits from its front, from
-//! both sides if its material says so; Lambertian surfaces reflect on both sides, with the shading
-//! normals, images and masks that their materials and meshes ask for (`surface`); a ray that meets
+//! both sides if its material says so; surfaces scatter as their materials say (`bsdf`), with the
+//! shading normals, images and masks that materials and meshes ask for (`surface`); a ray that meets
 //! nothing sees the sky.
 
+mod bsdf;
 mod camera;
 mod lights;
 mod path;
@@ -29,6 +30,7 @@ mod world;
 use crate::film::{Job, SampleBuffer};
 use crate::scene::Scene;
 use crate::settings::{Settings, Strategy};
+use bsdf::Worn;
 use glam::DVec3;
 use lights::Lights;
 use rand_pcg::rand_core::Rng;
@@ -41,6 +43,7 @@ use world::{Ray, World};
 pub struct Reference<'a> {
     world: World<'a>,
     lights: Lights<'a>,
+    materials: Vec<Worn<'a>>,
     seed: u32,
     max_depth: u32,
     uniform: bool,
@@ -51,19 +54,23 @@ impl<'a> Reference<'a> {
     /// What is cut at an albedo of 0.99 is below e^-20 of the answer.
     pub const DEEPEST: u32 = 2048;
 
-    /// Most triangles for which testing them all is bearable: a few microseconds a ray.
+    /// Most triangles and spheres for which testing them all is bearable: a few microseconds a ray.
     const MOST_TRIANGLES: usize = 1024;
 
     /// Whether the reference renders `scene`, as the wave would and in bearable time.
     #[must_use]
     pub fn supports(scene: &Scene) -> bool {
-        scene.mesh.triangles() <= Self::MOST_TRIANGLES && scene.beyond_reference().is_none()
+        let copies = scene.instances.iter();
+        let copied = copies.map(|copy| scene.objects[copy.object as usize].mesh.triangles());
+        let triangles = scene.mesh.triangles() + copied.sum::<usize>();
+        triangles + scene.spheres.len() <= Self::MOST_TRIANGLES
+            && scene.beyond_reference().is_none()
     }
 
     /// Prepares `scene`. Of `settings` it follows `seed`, the depth limit (at most 2048, since each
-    /// scattering event is a level of recursion) and `strategy`: `uniform` draws directions
-    /// uniformly; all others draw them by the cosine, for the reference looks for light on the
-    /// hemisphere only.
+    /// scattering event is a level of recursion) and `strategy`: `uniform` draws the
+    /// directions of diffuse surfaces uniformly, all others by the cosine, for the reference looks for
+    /// light by its directions only.
     #[must_use]
     pub fn new(scene: &'a Scene, settings: &Settings) -> Self {
         let unbounded = Settings {
@@ -73,6 +80,7 @@ impl<'a> Reference<'a> {
         Self {
             world: World::new(scene),
             lights: Lights::new(scene),
+            materials: scene.materials.iter().map(Worn::new).collect(),
             seed: settings.seed,
             max_depth: unbounded.depth_limit().min(Self::DEEPEST),
             uniform: settings.strategy == Strategy::Uniform,

@@ -1,9 +1,9 @@
 //! What the reference's rays meet: triangles and spheres, all of which every ray is tested against.
 
 use super::sphere::{Sphere, copies};
-use super::surface::is_there;
+use super::surface::{is_there, number, uv_at};
 use super::vector;
-use crate::scene::Scene;
+use crate::scene::{Scene, Textured};
 use glam::DVec3;
 
 /// The surfaces of a scene.
@@ -21,16 +21,7 @@ pub(super) struct Triangle {
     corner: DVec3,
     edges: [DVec3; 2],
     normal: DVec3,
-    worn: Worn,
-}
-
-/// What a material does.
-#[derive(Debug)]
-pub(super) struct Worn {
-    pub(super) albedo: DVec3,
-    pub(super) emission: DVec3,
-    pub(super) two_sided: bool,
-    pub(super) material: u32,
+    material: u32,
 }
 
 pub(super) struct Ray {
@@ -51,9 +42,9 @@ impl<'a> World<'a> {
     pub(super) fn new(scene: &'a Scene) -> Self {
         let mesh = &scene.mesh;
         let triangles = (0..mesh.triangles())
-            .map(|i| Triangle::new(mesh.corners(i).map(vector), scene, mesh.material[i]))
+            .map(|i| Triangle::new(mesh.corners(i).map(vector), mesh.material[i]))
             .chain(copies(scene));
-        let spheres = scene.spheres.iter().map(|s| Sphere::new(s, scene));
+        let spheres = scene.spheres.iter().map(Sphere::new);
         let bounds = scene.bounds().unwrap_or_default();
         let [low, high] = bounds.map(|corner| corner.abs().max_element());
         Self {
@@ -111,37 +102,38 @@ impl<'a> World<'a> {
         closest
     }
 
-    /// The unit normal of a surface's front at a point of it, and what it wears.
-    pub(super) fn surface(&self, surface: usize, point: DVec3) -> (DVec3, &Worn) {
+    /// A number at a hit: by its image, on triangles that have coordinates.
+    pub(super) fn number(&self, hit: &Hit, value: &Textured<f32>) -> f64 {
+        if hit.surface < self.scene.mesh.triangles() {
+            number(
+                self.scene,
+                value,
+                uv_at(&self.scene.mesh, hit.surface, hit.weights),
+            )
+        } else {
+            value.factor.into()
+        }
+    }
+
+    /// The unit normal of a surface's front at a point of it, and the material that it wears.
+    pub(super) fn surface(&self, surface: usize, point: DVec3) -> (DVec3, u32) {
         match self.triangles.get(surface) {
-            Some(triangle) => (triangle.normal, &triangle.worn),
+            Some(triangle) => (triangle.normal, triangle.material),
             None => {
                 let sphere = &self.spheres[surface - self.triangles.len()];
-                ((point - sphere.centre).normalize(), &sphere.worn)
+                ((point - sphere.centre).normalize(), sphere.material)
             }
         }
     }
 }
 
-impl Worn {
-    pub(super) fn new(scene: &Scene, index: u32) -> Self {
-        let material = &scene.materials[index as usize];
-        Self {
-            albedo: vector(material.albedo(&scene.materials)),
-            emission: vector(material.emission.factor),
-            two_sided: material.two_sided,
-            material: index,
-        }
-    }
-}
-
 impl Triangle {
-    pub(super) fn new([a, b, c]: [DVec3; 3], scene: &Scene, material: u32) -> Self {
+    pub(super) fn new([a, b, c]: [DVec3; 3], material: u32) -> Self {
         Self {
             corner: a,
             edges: [b - a, c - a],
             normal: (b - a).cross(c - a).normalize(),
-            worn: Worn::new(scene, material),
+            material,
         }
     }
 

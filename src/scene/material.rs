@@ -44,6 +44,9 @@ pub struct Material {
     pub alpha: Option<AlphaMask>,
     /// What bends its shading normal.
     pub normal_map: Option<NormalMap>,
+    /// Whether its facets make up for the light that they lose by scattering it once only: of metals,
+    /// rough glass and the principled surface.
+    pub compensation: bool,
 }
 
 /// Cuts holes: a surface is there where `alpha >= cutoff`.
@@ -219,6 +222,7 @@ impl Material {
             two_sided: false,
             alpha: None,
             normal_map: None,
+            compensation: true,
         }
     }
 
