@@ -6,10 +6,11 @@
 //! Li(ray, depth) = Le + f(omega_o, omega_i) * cos_theta_i * Li(next ray, depth + 1) / pdf(omega_i)
 //! ```
 //!
-//! with one direction at every surface, no next-event estimation but of lights
-//! that no direction finds (all of which are summed over at every surface), no roulette, no queue and
-//! no acceleration structure: every ray is tested against every triangle, so it is for scenes of a few
-//! hundred triangles at most. It shares no code with the kernels, on purpose:
+//! with one direction at every surface, no roulette, no queue and no acceleration structure: every ray
+//! is tested against every triangle, so it is for scenes of a few hundred triangles at most. Light is
+//! found by directions; but that of lights which no direction finds is summed at every surface, and, if
+//! asked (`--strategy light` or `mis`), that of all emissive surfaces at every diffuse one. It shares no
+//! code with the kernels, on purpose:
 //! triangle test, frame, sampling, filter, camera and random numbers are its own.
 //!
 //! What it means by its words is what the wave means: a path scatters at most
@@ -47,6 +48,8 @@ pub struct Reference<'a> {
     seed: u32,
     max_depth: u32,
     uniform: bool,
+    samples_lights: bool,
+    emitters: Vec<usize>,
 }
 
 impl<'a> Reference<'a> {
@@ -68,22 +71,25 @@ impl<'a> Reference<'a> {
     }
 
     /// Prepares `scene`. Of `settings` it follows `seed`, the depth limit (at most 2048, since each
-    /// scattering event is a level of recursion) and `strategy`: `uniform` draws the
-    /// directions of diffuse surfaces uniformly, all others by the cosine, for the reference looks for
-    /// light by its directions only.
+    /// scattering event is a level of recursion) and `strategy`, which is about diffuse surfaces:
+    /// `uniform` draws directions uniformly, all others by the cosine; with `light` and `mis` the light
+    /// of all emissive surfaces is summed there, by a point on each, instead of found by directions.
     #[must_use]
     pub fn new(scene: &'a Scene, settings: &Settings) -> Self {
         let unbounded = Settings {
             roulette: false,
             ..settings.clone()
         };
+        let world = World::new(scene);
         Self {
-            world: World::new(scene),
+            emitters: world.emitters(),
+            world,
             lights: Lights::new(scene),
             materials: scene.materials.iter().map(Worn::new).collect(),
             seed: settings.seed,
             max_depth: unbounded.depth_limit().min(Self::DEEPEST),
             uniform: settings.strategy == Strategy::Uniform,
+            samples_lights: matches!(settings.strategy, Strategy::Light | Strategy::Mis),
         }
     }
 
@@ -101,7 +107,7 @@ impl<'a> Reference<'a> {
             direction: direction.into(),
             leaves: None,
         };
-        self.radiance(rng, &ray, depth).into()
+        self.radiance(rng, &ray, depth, false).into()
     }
 
     /// Renders the samples of `job` into their slots of `out`, which must have room for them. Returns
@@ -131,7 +137,7 @@ impl<'a> Reference<'a> {
         let x = f64::from(x) + 0.5 + filter_offset(filter, &mut rng);
         let y = f64::from(y) + 0.5 + filter_offset(filter, &mut rng);
         let ray = camera::ray(self.world.scene, x, y, &mut rng);
-        self.radiance(&mut rng, &ray, 0).into()
+        self.radiance(&mut rng, &ray, 0, false).into()
     }
 }
 

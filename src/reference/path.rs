@@ -13,20 +13,27 @@ use rand_pcg::rand_core::Rng;
 struct Next {
     ray: Ray,
     weight: DVec3,
+    /// Whether what surfaces emit there was summed already.
+    lit: bool,
 }
 
 impl Reference<'_> {
-    pub(super) fn radiance(&self, rng: &mut impl Rng, ray: &Ray, depth: u32) -> DVec3 {
+    /// What `ray` sees; `lit` if what surfaces emit is not to be seen.
+    pub(super) fn radiance(&self, rng: &mut impl Rng, ray: &Ray, depth: u32, lit: bool) -> DVec3 {
         let Some(hit) = self.world.closest(ray) else {
             return self.lights.beyond(ray.direction);
         };
-        match self.scatter(rng, ray, &hit, depth) {
-            (seen, None) => seen,
-            (seen, Some(next)) => seen + next.weight * self.radiance(rng, &next.ray, depth + 1),
+        let (mut seen, emitted, next) = self.scatter(rng, ray, &hit, depth);
+        if !lit {
+            seen += emitted;
         }
+        if let Some(Next { ray, weight, lit }) = next {
+            seen += weight * self.radiance(rng, &ray, depth + 1, lit);
+        }
+        seen
     }
 
-    /// What is seen of a hit without going on, and where to go on.
+    /// At a hit, what light that is looked for comes from there, what is emitted, and where to go on.
     #[inline(never)] // keeps what the recursion puts on the stack small
     fn scatter(
         &self,
@@ -34,7 +41,7 @@ impl Reference<'_> {
         ray: &Ray,
         hit: &Hit,
         depth: u32,
-    ) -> (DVec3, Option<Next>) {
+    ) -> (DVec3, DVec3, Option<Next>) {
         let scene = self.world.scene;
         let origin = ray.origin + hit.t * ray.direction;
         let (outside, worn) = self.world.surface(hit.surface, origin);
@@ -47,14 +54,9 @@ impl Reference<'_> {
         let read = Reader {
             point: point.as_ref().map(|point| (scene, point)),
         };
-        let surface = &scene.materials[worn as usize];
-        let emitted = if front || surface.two_sided {
-            read.colour(&surface.emission)
-        } else {
-            DVec3::ZERO
-        };
+        let emitted = self.world.emitted(hit.surface, hit.weights, front);
         if depth >= self.max_depth {
-            return (emitted, None);
+            return (DVec3::ZERO, emitted, None);
         }
         let normal = if front { outside } else { -outside };
         let shading = match &point {
@@ -74,7 +76,11 @@ impl Reference<'_> {
             let local = frame.local(omega_i);
             factor(omega_i, local.z) * bsdf.evaluate(omega_o, local)
         };
-        let seen = emitted + self.delta_lights(origin, response, hit.surface);
+        let mut seen = self.delta_lights(origin, response, hit.surface);
+        let lit = self.samples_lights && bsdf.is_diffuse();
+        if lit {
+            seen += self.emitters(rng, origin, response, hit.surface);
+        }
         let next = bsdf.draw(omega_o, self.uniform, rng).and_then(|drawn| {
             let direction = frame.world(drawn.direction);
             let weight = factor(direction, drawn.direction.z) * drawn.weight;
@@ -83,9 +89,9 @@ impl Reference<'_> {
                 direction,
                 leaves: Some(hit.surface),
             };
-            (weight != DVec3::ZERO).then_some(Next { ray, weight })
+            (weight != DVec3::ZERO).then_some(Next { ray, weight, lit })
         });
-        (seen, next)
+        (seen, emitted, next)
     }
 
     /// The material that a path meets of `worn`: of a mixture, one of its parts.
@@ -105,6 +111,42 @@ impl Reference<'_> {
             };
         }
         worn
+    }
+
+    /// What is reflected of all that surfaces emit, by one point on each.
+    fn emitters(
+        &self,
+        rng: &mut impl Rng,
+        origin: DVec3,
+        response: impl Fn(DVec3) -> DVec3,
+        leaves: usize,
+    ) -> DVec3 {
+        let mut sum = DVec3::ZERO;
+        for &emitter in &self.emitters {
+            let drawn = self.world.point_on(emitter, rng);
+            let to = drawn.point - origin;
+            let direction = to.normalize();
+            let facing = -direction.dot(drawn.outside);
+            let radiance = self.world.emitted(emitter, drawn.weights, facing > 0.0);
+            let response = response(direction);
+            if emitter == leaves || radiance * response == DVec3::ZERO {
+                continue;
+            }
+            let ray = Ray {
+                origin,
+                direction,
+                leaves: Some(leaves),
+            };
+            let met = self.world.closest(&ray);
+            // Of a round emitter, the near side.
+            let reached = met.is_some_and(|hit| {
+                hit.surface == emitter && (hit.t / to.length() - 1.0).abs() < 1e-6
+            });
+            if reached {
+                sum += radiance * response * (facing.abs() * drawn.area / to.length_squared());
+            }
+        }
+        sum
     }
 
     /// What is reflected or passes of the lights that no ray finds, at `origin` on surface `leaves`.

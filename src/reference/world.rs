@@ -1,10 +1,23 @@
 //! What the reference's rays meet: triangles and spheres, all of which every ray is tested against.
 
+use super::random::uniform;
 use super::sphere::{Sphere, copies};
-use super::surface::{is_there, number, uv_at};
+use super::surface::{colour, is_there, number, uv_at};
 use super::vector;
 use crate::scene::{Scene, Textured};
 use glam::DVec3;
+use rand_pcg::rand_core::Rng;
+
+/// A point drawn on a surface, evenly.
+pub(super) struct Drawn {
+    pub(super) point: DVec3,
+    /// Unit normal of the front there.
+    pub(super) outside: DVec3,
+    /// Of a triangle; see [`Hit::weights`].
+    pub(super) weights: [f64; 2],
+    /// Area of the whole surface.
+    pub(super) area: f64,
+}
 
 /// The surfaces of a scene.
 #[derive(Debug)]
@@ -100,6 +113,55 @@ impl<'a> World<'a> {
             }
         }
         closest
+    }
+
+    /// The surfaces that emit.
+    pub(super) fn emitters(&self) -> Vec<usize> {
+        let triangles = self.triangles.iter().map(|t| t.material);
+        let materials = triangles.chain(self.spheres.iter().map(|s| s.material));
+        let emits = |m: u32| self.scene.materials[m as usize].emits();
+        let emitting = materials.enumerate().filter(|(_, m)| emits(*m));
+        emitting.map(|(i, _)| i).collect()
+    }
+
+    /// A point of a surface.
+    pub(super) fn point_on(&self, surface: usize, rng: &mut impl Rng) -> Drawn {
+        match self.triangles.get(surface) {
+            Some(triangle) => {
+                // Half of the square is folded onto the triangle.
+                let (mut u, mut v) = (uniform(rng), uniform(rng));
+                if u + v > 1.0 {
+                    (u, v) = (1.0 - u, 1.0 - v);
+                }
+                let [a, b] = triangle.edges;
+                Drawn {
+                    point: triangle.corner + u * a + v * b,
+                    outside: triangle.normal,
+                    weights: [u, v],
+                    area: 0.5 * a.cross(b).length(),
+                }
+            }
+            None => self.spheres[surface - self.triangles.len()].draw(rng),
+        }
+    }
+
+    /// What a surface emits to one side at a point.
+    pub(super) fn emitted(&self, surface: usize, weights: [f64; 2], front: bool) -> DVec3 {
+        let material = match self.triangles.get(surface) {
+            Some(triangle) => triangle.material,
+            None => self.spheres[surface - self.triangles.len()].material,
+        };
+        let material = &self.scene.materials[material as usize];
+        if !front && !material.two_sided {
+            return DVec3::ZERO;
+        }
+        // Copies and spheres have no images.
+        if surface < self.scene.mesh.triangles() {
+            let uv = uv_at(&self.scene.mesh, surface, weights);
+            colour(self.scene, &material.emission, uv)
+        } else {
+            vector(material.emission.factor)
+        }
     }
 
     /// A number at a hit: by its image, on triangles that have coordinates.
