@@ -23,6 +23,7 @@ pub mod emission;
 pub mod few;
 pub mod filter;
 pub mod flight;
+pub mod gather;
 pub mod hemisphere;
 pub mod instance;
 pub mod interpolate;

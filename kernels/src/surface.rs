@@ -15,7 +15,7 @@
 //!
 //! The triangle that a ray leaves is also excluded by index, which is exact.
 
-use crate::lanes::{Fx, Mask, Ux, as_mask, gather, gather_u32};
+use crate::lanes::{Fx, Mask, Ux, as_mask, gather, gather_rows, gather_u32};
 use crate::queues::Listed;
 use crate::tables::Triangles;
 use crate::vec3::Vec3x;
@@ -49,15 +49,8 @@ impl Corners {
     #[inline(always)]
     #[must_use]
     pub fn gather(triangles: &Triangles, primitive: Ux) -> Self {
-        let primitive = primitive.to_array();
-        let corner = |k: usize| {
-            Ux::new(std::array::from_fn(|lane| {
-                triangles.indices[primitive[lane] as usize][k]
-            }))
-        };
-        let v0 = Vec3x::gather(triangles.vertices, corner(0));
-        let v1 = Vec3x::gather(triangles.vertices, corner(1));
-        let v2 = Vec3x::gather(triangles.vertices, corner(2));
+        let corners = gather_rows(triangles.indices, primitive);
+        let [v0, v1, v2] = corners.map(|corner| Vec3x::gather(triangles.vertices, corner));
         Self {
             v0,
             e1: v1 - v0,
