@@ -6,6 +6,7 @@
 mod shader;
 
 pub use shader::Shader;
+pub(crate) use shader::polished;
 
 use crate::scene::{Light, Material, Projection, Scene, Sky};
 use crate::settings::{Integrator, LightSelection, Settings, Strategy};

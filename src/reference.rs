@@ -6,18 +6,21 @@
 //! Li(ray, depth) = Le + f(omega_o, omega_i) * cos_theta_i * Li(next ray, depth + 1) / pdf(omega_i)
 //! ```
 //!
-//! with one direction from the hemisphere at every surface, no next-event estimation but of lights
-//! that no direction finds (all of which are summed over at every surface), no roulette, no queue and
-//! no acceleration structure: every ray is tested against every triangle, so it is for scenes of a few
-//! hundred triangles at most. It shares no code with the kernels, on purpose:
+//! with one direction at every surface, no roulette, no queue and no acceleration structure: every ray
+//! is tested against every triangle, so it is for scenes of a few hundred triangles at most. Light is
+//! found by directions; but that of lights which no direction finds is summed at every surface, and, if
+//! asked (`--strategy light` or `mis`), that of all emissive surfaces at every diffuse one. It shares no
+//! code with the kernels, on purpose:
 //! triangle test, frame, sampling, filter, camera and random numbers are its own.
 //!
 //! What it means by its words is what the wave means: a path scatters at most
 //! [`Settings::depth_limit`] times, and 0 shows emission only; a surface emits from its front, from
-//! both sides if its material says so; Lambertian surfaces reflect on both sides, with the shading
-//! normals, images and masks that their materials and meshes ask for (`surface`); a ray that meets
-//! nothing sees the sky.
+//! both sides if its material says so; surfaces scatter as their materials say (`bsdf`), with the
+//! shading normals, images and masks that materials and meshes ask for (`surface`); a ray that meets
+//! nothing sees the sky. Fog it knows (`fog`); media inside of glass it does not. Where something moves
+//! or disperses light, every sample is that of a scene frozen at one moment, in light of one wavelength.
 
+mod bsdf;
 mod camera;
 mod fog;
 mod lights;
@@ -25,11 +28,13 @@ mod path;
 mod random;
 mod sphere;
 mod surface;
+mod wavelength;
 mod world;
 
 use crate::film::{Job, SampleBuffer};
 use crate::scene::Scene;
 use crate::settings::{Settings, Strategy};
+use bsdf::Worn;
 use fog::Fog;
 use glam::DVec3;
 use lights::Lights;
@@ -44,9 +49,18 @@ pub struct Reference<'a> {
     world: World<'a>,
     lights: Lights<'a>,
     fog: Option<Fog>,
+    materials: Vec<Worn<'a>>,
+    manner: Manner,
+    emitters: Vec<usize>,
+}
+
+/// What the reference follows of a render's settings.
+#[derive(Clone, Copy, Debug)]
+struct Manner {
     seed: u32,
     max_depth: u32,
     uniform: bool,
+    samples_lights: bool,
 }
 
 impl<'a> Reference<'a> {
@@ -54,19 +68,23 @@ impl<'a> Reference<'a> {
     /// What is cut at an albedo of 0.99 is below e^-20 of the answer.
     pub const DEEPEST: u32 = 2048;
 
-    /// Most triangles for which testing them all is bearable: a few microseconds a ray.
+    /// Most triangles and spheres for which testing them all is bearable: a few microseconds a ray.
     const MOST_TRIANGLES: usize = 1024;
 
     /// Whether the reference renders `scene`, as the wave would and in bearable time.
     #[must_use]
     pub fn supports(scene: &Scene) -> bool {
-        scene.mesh.triangles() <= Self::MOST_TRIANGLES && scene.beyond_reference().is_none()
+        let copies = scene.instances.iter();
+        let copied = copies.map(|copy| scene.objects[copy.object as usize].mesh.triangles());
+        let triangles = scene.mesh.triangles() + copied.sum::<usize>();
+        triangles + scene.spheres.len() <= Self::MOST_TRIANGLES
+            && scene.beyond_reference().is_none()
     }
 
     /// Prepares `scene`. Of `settings` it follows `seed`, the depth limit (at most 2048, since each
-    /// scattering event is a level of recursion) and `strategy`: `uniform` draws directions
-    /// uniformly; all others draw them by the cosine, for the reference looks for light on the
-    /// hemisphere only.
+    /// scattering event is a level of recursion) and `strategy`, which is about diffuse surfaces:
+    /// `uniform` draws directions uniformly, all others by the cosine; with `light` and `mis` the light
+    /// of all emissive surfaces is summed there, by a point on each, instead of found by directions.
     #[must_use]
     pub fn new(scene: &'a Scene, settings: &Settings) -> Self {
         let unbounded = Settings {
@@ -75,20 +93,24 @@ impl<'a> Reference<'a> {
         };
         Self::of(
             scene,
-            settings.seed,
-            unbounded.depth_limit().min(Self::DEEPEST),
-            settings.strategy == Strategy::Uniform,
+            Manner {
+                seed: settings.seed,
+                max_depth: unbounded.depth_limit().min(Self::DEEPEST),
+                uniform: settings.strategy == Strategy::Uniform,
+                samples_lights: matches!(settings.strategy, Strategy::Light | Strategy::Mis),
+            },
         )
     }
 
-    fn of(scene: &'a Scene, seed: u32, max_depth: u32, uniform: bool) -> Self {
+    fn of(scene: &'a Scene, manner: Manner) -> Self {
+        let world = World::new(scene);
         Self {
-            world: World::new(scene),
+            emitters: world.emitters(),
+            world,
             lights: Lights::new(scene),
             fog: Fog::new(scene),
-            seed,
-            max_depth,
-            uniform,
+            materials: scene.materials.iter().map(Worn::new).collect(),
+            manner,
         }
     }
 
@@ -106,7 +128,7 @@ impl<'a> Reference<'a> {
             direction: direction.into(),
             leaves: None,
         };
-        self.radiance(rng, &ray, depth).into()
+        self.radiance(rng, &ray, depth, false).into()
     }
 
     /// Renders the samples of `job` into their slots of `out`, which must have room for them. Returns
@@ -131,20 +153,31 @@ impl<'a> Reference<'a> {
     /// Radiance of one camera sample of pixel (`x`, `y`), from the top left corner.
     #[must_use]
     pub fn render_sample(&self, x: u32, y: u32, sample: u32) -> [f64; 3] {
-        let mut rng = generator([self.seed, x, y, sample]);
+        let mut rng = generator([self.manner.seed, x, y, sample]);
         let filter = self.world.scene.film.filter;
         let x = f64::from(x) + 0.5 + filter_offset(filter, &mut rng);
         let y = f64::from(y) + 0.5 + filter_offset(filter, &mut rng);
         let scene = self.world.scene;
-        if scene.moves().is_none() {
+        let (moves, disperses) = (scene.moves().is_some(), scene.disperses());
+        if !moves && !disperses {
             let ray = camera::ray(scene, x, y, &mut rng);
-            return self.radiance(&mut rng, &ray, 0).into();
+            return self.radiance(&mut rng, &ray, 0, false).into();
         }
-        // Everything at one moment, made anew for every sample: slow, and sure.
-        let scene = scene.frozen(uniform(&mut rng));
-        let now = Reference::of(&scene, self.seed, self.max_depth, self.uniform);
-        let ray = camera::ray(&scene, x, y, &mut rng);
-        now.radiance(&mut rng, &ray, 0).into()
+        // Everything at one moment, in light of one wavelength, made anew for every sample: slow, and
+        // sure.
+        let mut now = scene.clone();
+        let mut weight = DVec3::ONE;
+        if moves {
+            now = now.frozen(uniform(&mut rng));
+        }
+        if disperses {
+            let drawn = wavelength::draw(&mut rng);
+            now = now.at_wavelength(drawn.nanometres);
+            weight = drawn.weight;
+        }
+        let ray = camera::ray(&now, x, y, &mut rng);
+        let now = Reference::of(&now, self.manner);
+        (weight * now.radiance(&mut rng, &ray, 0, false)).into()
     }
 }
 

@@ -1,17 +1,14 @@
-//! Light through dispersive glass: against a tracer of one wavelength a path in f64, and where the
-//! answer is known.
+//! Light through dispersive glass: against the f64 reference, whose samples are of one wavelength each,
+//! and where the answer is known.
 
 mod common;
 
-use common::picture::{Picture, by_samples, by_wave, independent, over_seeds, render};
+use common::picture::{Picture, by_reference, by_wave, independent, over_seeds, render};
 use common::scenes::{Builder, camera_along_z};
 use common::statistics::{SIGNIFICANCE, assert_mean, same, threshold};
-use glam::DVec3;
 use huygens::scene::material::{Cauchy, Dielectric};
 use huygens::scene::{Bsdf, Scene, Sky};
-use huygens::settings::{Sampler, Settings, Strategy};
-use rand_pcg::Pcg64;
-use rand_pcg::rand_core::{Rng, SeedableRng};
+use huygens::settings::{Integrator, Sampler, Settings, Strategy};
 
 const ZENITH: [f32; 3] = [0.2, 0.4, 0.8];
 const NADIR: [f32; 3] = [0.6, 0.3, 0.1];
@@ -60,124 +57,6 @@ fn prism(bsdf: Bsdf) -> Scene {
     scene
 }
 
-/// The scene of [`prism`] by one path of one wavelength, all of it in f64: its own triangle test,
-/// Fresnel equations and matching functions.
-struct Oracle<'a> {
-    scene: &'a Scene,
-    cauchy: Cauchy,
-    /// What makes the means of red, green and blue weights 1.
-    scale: [f64; 3],
-}
-
-impl<'a> Oracle<'a> {
-    fn new(scene: &'a Scene) -> Self {
-        let steps = 20_000;
-        let mut sums = [0.0; 3];
-        for k in 0..steps {
-            let w = primaries(380.0 + 350.0 * (f64::from(k) + 0.5) / f64::from(steps));
-            (0..3).for_each(|c| sums[c] += w[c] / f64::from(steps));
-        }
-        Self {
-            scene,
-            cauchy: Cauchy::from_abbe(1.5, ABBE),
-            scale: sums.map(|s| 1.0 / s),
-        }
-    }
-
-    fn sample(&self, x: u32, y: u32, sample: u32) -> [f64; 3] {
-        let name = (u64::from(sample) << 32) | u64::from(y << 16 | x);
-        let mut rng = Pcg64::seed_from_u64(name);
-        let mut uniform = move || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
-        // Of the camera: 5 x 5 pixels over -0.2 .. 0.2 at distance 1.
-        let across = (f64::from(x) + uniform()) / 5.0 * 0.4 - 0.2;
-        let down = (f64::from(y) + uniform()) / 5.0 * 0.4 - 0.2;
-        let mut origin = DVec3::ZERO;
-        let mut direction = DVec3::new(across, -down, -1.0).normalize();
-        let wavelength = 380.0 + 350.0 * uniform();
-        let mut weight = [1.0; 3];
-        let mut radiance = 1.0;
-        let mut left = usize::MAX;
-        loop {
-            let Some((hit, t, outside)) = self.closest(origin, direction, left) else {
-                let half = 0.5 * (direction.y + 1.0);
-                let sky = |c: usize| f64::from(NADIR[c]) + f64::from(ZENITH[c] - NADIR[c]) * half;
-                return [0, 1, 2].map(|c| sky(c) * weight[c] * radiance);
-            };
-            if self.scene.mesh.material[hit] == 1 {
-                let front = outside.dot(direction) < 0.0;
-                let emitted = WALL.map(|e| if front { f64::from(e) } else { 0.0 });
-                return [0, 1, 2].map(|c| emitted[c] * weight[c] * radiance);
-            }
-            if left == usize::MAX {
-                let w = primaries(wavelength);
-                weight = [0, 1, 2].map(|c| w[c] * self.scale[c]);
-            }
-            let n = f64::from(self.cauchy.a) + f64::from(self.cauchy.b) / wavelength.powi(2);
-            let cos = outside.dot(direction);
-            let (normal, eta) = if cos < 0.0 {
-                (outside, n)
-            } else {
-                (-outside, 1.0 / n)
-            };
-            let cos = cos.abs();
-            let under = 1.0 - (1.0 - cos * cos) / (eta * eta);
-            let reflectance = if under <= 0.0 {
-                1.0
-            } else {
-                let inner = under.sqrt();
-                let s = (cos - eta * inner) / (cos + eta * inner);
-                let p = (eta * cos - inner) / (eta * cos + inner);
-                0.5 * (s * s + p * p)
-            };
-            origin += t * direction;
-            left = hit;
-            if uniform() < reflectance {
-                direction += 2.0 * cos * normal;
-            } else {
-                direction = direction / eta + (cos / eta - under.sqrt()) * normal;
-                radiance /= eta * eta;
-            }
-        }
-    }
-
-    fn closest(&self, o: DVec3, d: DVec3, left: usize) -> Option<(usize, f64, DVec3)> {
-        let mut best: Option<(usize, f64, DVec3)> = None;
-        for i in (0..self.scene.mesh.triangles()).filter(|i| *i != left) {
-            let corners = self.scene.mesh.corners(i);
-            let [a, b, c] = corners.map(|p| DVec3::from_array(p.map(f64::from)));
-            let normal = (b - a).cross(c - a);
-            let t = (a - o).dot(normal) / d.dot(normal);
-            let p = o + t * d;
-            let inside = [(a, b), (b, c), (c, a)]
-                .iter()
-                .all(|&(from, to)| (to - from).cross(p - from).dot(normal) >= 0.0);
-            // Coplanar halves of a face share its plane: what is left is left.
-            if inside && t > 1e-9 && best.is_none_or(|(_, other, _)| t < other) {
-                best = Some((i, t, normal.normalize()));
-            }
-        }
-        best
-    }
-}
-
-/// The matching functions of sRGB's primaries: CIE 1931 in the fit of Wyman, Sloan and Shirley (2013),
-/// by IEC 61966-2-1's matrix.
-fn primaries(nm: f64) -> [f64; 3] {
-    let lobe = |scale: f64, mean: f64, below: f64, above: f64| {
-        let t = (nm - mean) * if nm < mean { below } else { above };
-        scale * (-0.5 * t * t).exp()
-    };
-    let x = lobe(0.362, 442.0, 0.0624, 0.0374) + lobe(1.056, 599.8, 0.0264, 0.0323)
-        - lobe(0.065, 501.1, 0.0490, 0.0382);
-    let y = lobe(0.821, 568.8, 0.0213, 0.0247) + lobe(0.286, 530.9, 0.0613, 0.0322);
-    let z = lobe(1.217, 437.0, 0.0845, 0.0278) + lobe(0.681, 459.0, 0.0385, 0.0725);
-    [
-        3.2404542 * x - 1.5371385 * y - 0.4985314 * z,
-        -0.9692660 * x + 1.8760108 * y + 0.0415560 * z,
-        0.0556434 * x - 0.2040259 * y + 1.0572252 * z,
-    ]
-}
-
 fn settings(spp: u32) -> Settings {
     Settings {
         spp,
@@ -187,10 +66,14 @@ fn settings(spp: u32) -> Settings {
 }
 
 #[test]
-fn a_prism_agrees_with_paths_of_one_wavelength() {
+fn a_prism_agrees_with_the_reference() {
     let scene = prism(glass(Some(ABBE), 0.0));
-    let oracle = Oracle::new(&scene);
-    let expected = by_samples(&scene, 40_000, |x, y, k| oracle.sample(x, y, k));
+    let reference = Settings {
+        integrator: Integrator::Reference,
+        seed: 1,
+        ..settings(20_000)
+    };
+    let expected = by_reference(&scene, &reference);
     let rendered = by_wave(&scene, &settings(20_000));
     same(&rendered, &expected, SIGNIFICANCE).unwrap();
     // Paths that end at random have the same mean, though throughput is negative in part.

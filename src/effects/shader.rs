@@ -130,9 +130,6 @@ impl Shader {
     /// The shader of a material; `bent` if it cannot be plain: a surface that wears it has
     /// interpolated normals, or it is part of a mixture.
     pub(super) fn of(material: &Material, bent: bool) -> Self {
-        let polished = |roughness: &Textured<f32>| {
-            roughness.texture.is_none() && roughness.factor * roughness.factor < ALPHA_FLOOR
-        };
         match &material.bsdf {
             Bsdf::Diffuse { roughness, .. } if *roughness > 0.0 => Self::RoughDiffuse,
             Bsdf::Diffuse { reflectance, .. } => {
@@ -144,22 +141,22 @@ impl Shader {
             }
             Bsdf::Conductor { roughness, .. } if polished(roughness) => Self::SmoothConductor,
             Bsdf::Conductor { .. } => Self::RoughConductor,
-            Bsdf::Dielectric(glass) => {
-                // What passes a pane is not bent: nothing to tell wavelengths apart by but a trace in
-                // what is reflected.
-                let disperses = glass.dispersion.is_some() && !glass.thin;
-                match (polished(&glass.roughness), disperses) {
-                    (true, false) => Self::SmoothDielectric,
-                    (false, false) => Self::RoughDielectric,
-                    (true, true) => Self::SmoothDispersive,
-                    (false, true) => Self::RoughDispersive,
-                }
-            }
+            Bsdf::Dielectric(glass) => match (polished(&glass.roughness), glass.disperses()) {
+                (true, false) => Self::SmoothDielectric,
+                (false, false) => Self::RoughDielectric,
+                (true, true) => Self::SmoothDispersive,
+                (false, true) => Self::RoughDispersive,
+            },
             Bsdf::Principled(p) if passes(p) => Self::PrincipledGlass,
             Bsdf::Principled(_) => Self::Principled,
             Bsdf::Mix { .. } => Self::Mix,
         }
     }
+}
+
+/// Whether a roughness is none.
+pub(crate) fn polished(roughness: &Textured<f32>) -> bool {
+    roughness.texture.is_none() && roughness.factor * roughness.factor < ALPHA_FLOOR
 }
 
 fn passes(p: &Principled) -> bool {

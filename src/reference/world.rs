@@ -1,10 +1,23 @@
 //! What the reference's rays meet: triangles and spheres, all of which every ray is tested against.
 
+use super::random::uniform;
 use super::sphere::{Sphere, copies};
-use super::surface::is_there;
+use super::surface::{colour, is_there, number, uv_at};
 use super::vector;
-use crate::scene::Scene;
+use crate::scene::{Scene, Textured};
 use glam::DVec3;
+use rand_pcg::rand_core::Rng;
+
+/// A point drawn on a surface, evenly.
+pub(super) struct Drawn {
+    pub(super) point: DVec3,
+    /// Unit normal of the front there.
+    pub(super) outside: DVec3,
+    /// Of a triangle; see [`Hit::weights`].
+    pub(super) weights: [f64; 2],
+    /// Area of the whole surface.
+    pub(super) area: f64,
+}
 
 /// The surfaces of a scene.
 #[derive(Debug)]
@@ -21,16 +34,7 @@ pub(super) struct Triangle {
     corner: DVec3,
     edges: [DVec3; 2],
     normal: DVec3,
-    worn: Worn,
-}
-
-/// What a material does.
-#[derive(Debug)]
-pub(super) struct Worn {
-    pub(super) albedo: DVec3,
-    pub(super) emission: DVec3,
-    pub(super) two_sided: bool,
-    pub(super) material: u32,
+    material: u32,
 }
 
 pub(super) struct Ray {
@@ -51,9 +55,9 @@ impl<'a> World<'a> {
     pub(super) fn new(scene: &'a Scene) -> Self {
         let mesh = &scene.mesh;
         let triangles = (0..mesh.triangles())
-            .map(|i| Triangle::new(mesh.corners(i).map(vector), scene, mesh.material[i]))
+            .map(|i| Triangle::new(mesh.corners(i).map(vector), mesh.material[i]))
             .chain(copies(scene));
-        let spheres = scene.spheres.iter().map(|s| Sphere::new(s, scene));
+        let spheres = scene.spheres.iter().map(Sphere::new);
         let bounds = scene.bounds().unwrap_or_default();
         let [low, high] = bounds.map(|corner| corner.abs().max_element());
         Self {
@@ -111,37 +115,87 @@ impl<'a> World<'a> {
         closest
     }
 
-    /// The unit normal of a surface's front at a point of it, and what it wears.
-    pub(super) fn surface(&self, surface: usize, point: DVec3) -> (DVec3, &Worn) {
+    /// The surfaces that emit.
+    pub(super) fn emitters(&self) -> Vec<usize> {
+        let triangles = self.triangles.iter().map(|t| t.material);
+        let materials = triangles.chain(self.spheres.iter().map(|s| s.material));
+        let emits = |m: u32| self.scene.materials[m as usize].emits();
+        let emitting = materials.enumerate().filter(|(_, m)| emits(*m));
+        emitting.map(|(i, _)| i).collect()
+    }
+
+    /// A point of a surface.
+    pub(super) fn point_on(&self, surface: usize, rng: &mut impl Rng) -> Drawn {
         match self.triangles.get(surface) {
-            Some(triangle) => (triangle.normal, &triangle.worn),
+            Some(triangle) => {
+                // Half of the square is folded onto the triangle.
+                let (mut u, mut v) = (uniform(rng), uniform(rng));
+                if u + v > 1.0 {
+                    (u, v) = (1.0 - u, 1.0 - v);
+                }
+                let [a, b] = triangle.edges;
+                Drawn {
+                    point: triangle.corner + u * a + v * b,
+                    outside: triangle.normal,
+                    weights: [u, v],
+                    area: 0.5 * a.cross(b).length(),
+                }
+            }
+            None => self.spheres[surface - self.triangles.len()].draw(rng),
+        }
+    }
+
+    /// What a surface emits to one side at a point.
+    pub(super) fn emitted(&self, surface: usize, weights: [f64; 2], front: bool) -> DVec3 {
+        let material = match self.triangles.get(surface) {
+            Some(triangle) => triangle.material,
+            None => self.spheres[surface - self.triangles.len()].material,
+        };
+        let material = &self.scene.materials[material as usize];
+        if !front && !material.two_sided {
+            return DVec3::ZERO;
+        }
+        // Copies and spheres have no images.
+        if surface < self.scene.mesh.triangles() {
+            let uv = uv_at(&self.scene.mesh, surface, weights);
+            colour(self.scene, &material.emission, uv)
+        } else {
+            vector(material.emission.factor)
+        }
+    }
+
+    /// A number at a hit: by its image, on triangles that have coordinates.
+    pub(super) fn number(&self, hit: &Hit, value: &Textured<f32>) -> f64 {
+        if hit.surface < self.scene.mesh.triangles() {
+            number(
+                self.scene,
+                value,
+                uv_at(&self.scene.mesh, hit.surface, hit.weights),
+            )
+        } else {
+            value.factor.into()
+        }
+    }
+
+    /// The unit normal of a surface's front at a point of it, and the material that it wears.
+    pub(super) fn surface(&self, surface: usize, point: DVec3) -> (DVec3, u32) {
+        match self.triangles.get(surface) {
+            Some(triangle) => (triangle.normal, triangle.material),
             None => {
                 let sphere = &self.spheres[surface - self.triangles.len()];
-                ((point - sphere.centre).normalize(), &sphere.worn)
+                ((point - sphere.centre).normalize(), sphere.material)
             }
         }
     }
 }
 
-impl Worn {
-    pub(super) fn new(scene: &Scene, index: u32) -> Self {
-        let material = &scene.materials[index as usize];
-        Self {
-            albedo: vector(material.albedo(&scene.materials)),
-            emission: vector(material.emission.factor),
-            two_sided: material.two_sided,
-            material: index,
-        }
-    }
-}
-
 impl Triangle {
-    pub(super) fn new([a, b, c]: [DVec3; 3], scene: &Scene, material: u32) -> Self {
+    pub(super) fn new([a, b, c]: [DVec3; 3], material: u32) -> Self {
         Self {
             corner: a,
             edges: [b - a, c - a],
             normal: (b - a).cross(c - a).normalize(),
-            worn: Worn::new(scene, material),
+            material,
         }
     }
 

@@ -45,6 +45,9 @@ pub struct Material {
     pub alpha: Option<AlphaMask>,
     /// What bends its shading normal.
     pub normal_map: Option<NormalMap>,
+    /// Whether its facets make up for the light that they lose by scattering it once only: of metals,
+    /// rough glass and the principled surface.
+    pub compensation: bool,
 }
 
 /// Cuts holes: a surface is there where `alpha >= cutoff`.
@@ -206,6 +209,15 @@ impl Default for Dielectric {
     }
 }
 
+impl Dielectric {
+    /// Whether its index varies over the spectrum, and matters: what passes a pane is not bent, so
+    /// there is nothing to tell wavelengths apart by but a trace in what is reflected.
+    #[must_use]
+    pub fn disperses(&self) -> bool {
+        self.dispersion.is_some() && !self.thin
+    }
+}
+
 impl Material {
     /// A Lambertian surface that emits `emission` to its front.
     pub fn diffuse(name: impl Into<String>, reflectance: [f32; 3], emission: [f32; 3]) -> Self {
@@ -219,6 +231,7 @@ impl Material {
             two_sided: false,
             alpha: None,
             normal_map: None,
+            compensation: true,
         }
     }
 

@@ -3,6 +3,7 @@
 use super::compiled::{Camera, Scene};
 use super::description;
 use super::error::SceneError;
+use super::material::Bsdf;
 use super::placed::{Instance, Placement};
 use super::toml::SceneFile;
 use glam::{DAffine3, DMat3, DVec3};
@@ -104,5 +105,29 @@ impl Scene {
             };
         }
         still
+    }
+
+    /// Whether glass that it holds disperses light.
+    #[must_use]
+    pub fn disperses(&self) -> bool {
+        let worn = self.materials.iter().zip(self.worn());
+        worn.filter(|(_, worn)| *worn)
+            .any(|(m, _)| matches!(&m.bsdf, Bsdf::Dielectric(glass) if glass.disperses()))
+    }
+
+    /// The scene as it is in light of one wavelength, in nanometres: nothing in it disperses.
+    #[must_use]
+    pub fn at_wavelength(&self, nanometres: f64) -> Self {
+        let mut single = self.clone();
+        for material in &mut single.materials {
+            if let Bsdf::Dielectric(glass) = &mut material.bsdf
+                && let Some(cauchy) = glass.dispersion.take()
+                && !glass.thin
+            {
+                let [a, b] = [cauchy.a, cauchy.b].map(f64::from);
+                glass.ior = (a + b / (nanometres * nanometres)) as f32;
+            }
+        }
+        single
     }
 }

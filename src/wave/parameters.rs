@@ -34,11 +34,24 @@ pub(crate) fn parameters(material: &Material) -> [f32; SLOTS] {
             put(k);
             put(&tint.factor);
             put(&[roughness.factor, *anisotropy]);
-            let mean = |c: usize| conductor_mean(f64::from(eta[c]), f64::from(k[c])) as f32;
+            // Light that has met two facets or more is in proportion to it: at 0 there is none.
+            let mean = |c: usize| {
+                if material.compensation {
+                    conductor_mean(f64::from(eta[c]), f64::from(k[c])) as f32
+                } else {
+                    0.0
+                }
+            };
             put(&[mean(0), mean(1), mean(2)]);
         }
-        Bsdf::Dielectric(glass) => put_dielectric(glass, put),
-        Bsdf::Principled(p) => put_principled(p, put),
+        Bsdf::Dielectric(glass) => {
+            put_dielectric(glass, &mut put);
+            put(&[flag(material.compensation)]);
+        }
+        Bsdf::Principled(p) => {
+            put_principled(p, &mut put);
+            put(&[flag(material.compensation)]);
+        }
         Bsdf::Mix { .. } => {}
     }
     if let Bsdf::Dielectric(glass) = &material.bsdf

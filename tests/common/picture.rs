@@ -58,22 +58,13 @@ impl Picture {
 /// Renders `settings.spp` samples a pixel with the reference, directly, in f64 throughout.
 pub(crate) fn by_reference(scene: &Scene, settings: &Settings) -> Picture {
     let reference = Reference::new(scene, settings);
-    by_samples(scene, settings.spp, |x, y, sample| {
-        reference.render_sample(x, y, sample)
-    })
-}
-
-/// A picture of `spp` samples a pixel, each what `sample` says for pixel (x, y) and a number.
-pub(crate) fn by_samples(
-    scene: &Scene,
-    spp: u32,
-    sample: impl Fn(u32, u32, u32) -> [f64; 3] + Sync,
-) -> Picture {
     let (width, height) = (scene.film.width, scene.film.height);
-    let n = f64::from(spp);
+    let n = f64::from(settings.spp);
     // Mean, variance of the mean and skewness of the mean of each channel.
     let pixel = |i: u32| -> [[f64; 3]; 3] {
-        let samples: Vec<[f64; 3]> = (0..spp).map(|k| sample(i % width, i / width, k)).collect();
+        let samples: Vec<[f64; 3]> = (0..settings.spp)
+            .map(|sample| reference.render_sample(i % width, i / width, sample))
+            .collect();
         let channel = |c: usize| {
             let moment = |power: i32, about: f64| {
                 samples
