@@ -19,6 +19,7 @@
 
 use crate::instance::{Guide, Instance, OWN_MATERIAL};
 use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask};
+use crate::motion::{Motion, ROUNDINGS, STILL};
 use crate::sphere::{self, Sphere};
 use crate::surface::{Corners, Place, clearance, gamma};
 use crate::tables::Triangles;
@@ -48,6 +49,8 @@ pub struct Others<'a> {
     pub sphere_selection: &'a [f32],
     /// Instances, by rising number of the first triangle.
     pub instances: &'a [Instance],
+    /// How some of them move.
+    pub motions: &'a [Motion],
     /// Finds them.
     pub guide: &'a Guide,
     /// Objects.
@@ -72,7 +75,8 @@ static HOME: Instance = {
         object: 0,
         material: OWN_MATERIAL,
         root: 0,
-        spare: [0; 7],
+        motion: STILL,
+        spare: [0; 6],
     }
 };
 
@@ -106,6 +110,19 @@ impl Others<'_> {
         }
     }
 
+    /// Where instances are at their moments, and what their points are off by.
+    fn moved(&self, maps: &[&Instance; LANES], times: Fx) -> ([Instance; LANES], Fx) {
+        let mut roundings = [gamma(40.0); LANES];
+        let moved = std::array::from_fn(|lane| match maps[lane].motion {
+            STILL => *maps[lane],
+            motion => {
+                roundings[lane] = gamma(ROUNDINGS);
+                self.motions[motion as usize].placed(maps[lane], times.as_array()[lane])
+            }
+        });
+        (moved, Fx::new(roundings))
+    }
+
     /// Lanes that hold spheres.
     #[inline(always)]
     #[must_use]
@@ -114,10 +131,17 @@ impl Others<'_> {
         as_mask(!primitive.simd_lt(Ux::splat(self.first)) & primitive.simd_lt(Ux::splat(end)))
     }
 
-    /// Where hits are, whatever was hit.
+    /// Where hits are, whatever was hit, at their `times` if anything moves.
     #[inline(never)]
     #[must_use]
-    pub fn place(&self, triangles: &Triangles, primitive: Ux, u: Fx, v: Fx) -> Place {
+    pub fn place(
+        &self,
+        triangles: &Triangles,
+        primitive: Ux,
+        u: Fx,
+        v: Fx,
+        times: Option<Fx>,
+    ) -> Place {
         let names = primitive.to_array();
         let mut material = [0; LANES];
         let mut maps = [&HOME; LANES];
@@ -150,7 +174,14 @@ impl Others<'_> {
         }
         let first = names.map(|name| name < self.first);
         let home: Mask = as_mask(Ux::new(first.map(|home| if home { !0 } else { 0 })));
-        let on_triangle = copied(&corners, &maps, home, u, v);
+        let on_triangle = match times {
+            None => copied(&corners, &maps, home, u, v, Fx::splat(gamma(40.0))),
+            Some(times) => {
+                let (moved, roundings) = self.moved(&maps, times);
+                let maps = moved.each_ref();
+                copied(&corners, &maps, home, u, v, roundings)
+            }
+        };
         let spheres = self.are_spheres(primitive);
         let place = if spheres.to_bitmask() == 0 {
             on_triangle
@@ -183,7 +214,8 @@ fn transform(rows: [Vec3x; 3], p: Vec3x, plus: Vec3x) -> Vec3x {
     Vec3x::new(row(x, plus.x), row(y, plus.y), row(z, plus.z))
 }
 
-/// Points on triangles of objects; where `home`, exactly what they are without others.
+/// Points on triangles of objects, off by `roundings` times the scale of their error; where `home`,
+/// exactly what they are without others.
 #[inline(always)]
 fn copied(
     corners: &[[[f32; 3]; 3]; LANES],
@@ -191,6 +223,7 @@ fn copied(
     home: Mask,
     u: Fx,
     v: Fx,
+    roundings: Fx,
 ) -> Place {
     let vertex = |k: usize| {
         let column = |axis: usize| Fx::new(std::array::from_fn(|lane| corners[lane][k][axis]));
@@ -224,7 +257,7 @@ fn copied(
     let outside = Vec3x::select(home, normal, turned);
     let seen = transform(to_object.map(Vec3x::abs), (point - origin).abs(), s);
     let error = transform(to_world.map(Vec3x::abs), seen, origin.abs());
-    let copy = outside.abs().dot(error) * Fx::splat(gamma(40.0));
+    let copy = outside.abs().dot(error) * roundings;
     Place {
         point,
         outside,

@@ -146,13 +146,20 @@ pub struct Place {
 }
 
 impl Place {
-    /// Where hits are that are called `primitive`, at `u` and `v`.
+    /// Where hits are that are called `primitive`, at `u` and `v`; `times` says when, which matters to
+    /// instances that move alone.
     #[inline(always)]
     #[must_use]
-    pub fn of(triangles: &Triangles, primitive: Ux, u: Fx, v: Fx) -> Self {
+    pub fn of(
+        triangles: &Triangles,
+        primitive: Ux,
+        u: Fx,
+        v: Fx,
+        times: impl FnOnce() -> Option<Fx>,
+    ) -> Self {
         // The same for the whole render.
         if let Some(others) = &triangles.others {
-            return others.place(triangles, primitive, u, v);
+            return others.place(triangles, primitive, u, v, times());
         }
         let corners = Corners::gather(triangles, primitive);
         let outside = corners.unit_normal();
@@ -188,16 +195,23 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The interaction of rays with unit `direction` at their hits.
+    /// The interaction of rays with unit `direction` at their hits; for `times` see [`Place::of`].
     #[inline(always)]
     #[must_use]
-    pub fn at(triangles: &Triangles, primitive: Ux, u: Fx, v: Fx, direction: Vec3x) -> Self {
+    pub fn at(
+        triangles: &Triangles,
+        primitive: Ux,
+        u: Fx,
+        v: Fx,
+        direction: Vec3x,
+        times: impl FnOnce() -> Option<Fx>,
+    ) -> Self {
         let Place {
             point,
             outside,
             clearance,
             material,
-        } = Place::of(triangles, primitive, u, v);
+        } = Place::of(triangles, primitive, u, v, times);
         let cos = outside.dot(direction);
         let front = cos.simd_lt(Fx::ZERO);
         let normal = Vec3x::select(front, outside, -outside);
@@ -224,6 +238,7 @@ impl Surface {
             gather(hits.u, at),
             gather(hits.v, at),
             Vec3x::gather_columns(listed.paths.direction, at),
+            || listed.times(at),
         )
     }
 

@@ -3,6 +3,7 @@
 use crate::interpolate::Attributes;
 use crate::lanes::{Fx, Ux, gather};
 use crate::light::{Environment, Punctual, Tree};
+use crate::medium::Media;
 use crate::others::Others;
 use crate::vec3::{Columns, Vec3x};
 
@@ -20,6 +21,8 @@ pub struct Tables<'a> {
     pub lights: Lights<'a>,
     /// What vertices carry besides, where some surfaces are interpolated.
     pub attributes: Option<Attributes<'a>>,
+    /// Media, where the scene has any.
+    pub media: Option<Media<'a>>,
 }
 
 /// Triangle tables, world space.
@@ -98,6 +101,8 @@ pub struct Parameters<'a> {
     pub materials: &'a Materials<'a>,
     /// The material in each lane.
     pub material: Ux,
+    /// The wavelength in each lane, nanometres; for kinds that disperse.
+    pub wavelength: Fx,
 }
 
 impl Parameters<'_> {

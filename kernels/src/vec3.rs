@@ -124,6 +124,14 @@ impl Vec3x {
         self.x.fast_max(self.y).fast_max(self.z)
     }
 
+    /// True where any component is other than 0: of a radiance, where there is any. No arithmetic, so
+    /// that neither signs nor sizes matter; true also where a component is not a number.
+    #[inline(always)]
+    #[must_use]
+    pub fn any_light(self) -> Mask {
+        (self.x | self.y | self.z).simd_ne(Fx::ZERO)
+    }
+
     /// Divided by its length. A zero vector gives NaN: mask such lanes.
     #[inline(always)]
     #[must_use]

@@ -1,23 +1,41 @@
 //! The oracle's spheres and copies, in the formulas of school.
 
-use super::{Ray, Triangle, Worn, vector};
+use super::random::uniform;
+use super::vector;
+use super::world::{Drawn, Ray, Triangle};
 use crate::scene::{self, Scene};
 use glam::DVec3;
+use rand_pcg::rand_core::Rng;
+use std::f64::consts::{PI, TAU};
 
 /// A sphere.
 #[derive(Debug)]
 pub(super) struct Sphere {
     pub(super) centre: DVec3,
     radius: f64,
-    pub(super) worn: Worn,
+    pub(super) material: u32,
 }
 
 impl Sphere {
-    pub(super) fn new(sphere: &scene::Sphere, scene: &Scene) -> Self {
+    pub(super) fn new(sphere: &scene::Sphere) -> Self {
         Self {
             centre: vector(sphere.centre),
             radius: sphere.radius.into(),
-            worn: Worn::new(scene, sphere.material),
+            material: sphere.material,
+        }
+    }
+
+    /// A point of it: Archimedes' height is uniform.
+    pub(super) fn draw(&self, rng: &mut impl Rng) -> Drawn {
+        let z = 2.0 * uniform(rng) - 1.0;
+        let (y, x) = (TAU * uniform(rng)).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        let outside = DVec3::new(r * x, r * y, z);
+        Drawn {
+            point: self.centre + self.radius * outside,
+            outside,
+            weights: [0.0; 2],
+            area: 4.0 * PI * self.radius * self.radius,
         }
     }
 
@@ -47,11 +65,7 @@ pub(super) fn copies(scene: &Scene) -> impl Iterator<Item = Triangle> + '_ {
         (0..mesh.triangles()).map(move |i| {
             let [a, b, c] = mesh.corners(i).map(|p| map.transform_point3(vector(p)));
             let corners = if mirrors { [a, c, b] } else { [a, b, c] };
-            Triangle::new(
-                corners,
-                scene,
-                instance.material.unwrap_or(mesh.material[i]),
-            )
+            Triangle::new(corners, instance.material.unwrap_or(mesh.material[i]))
         })
     })
 }

@@ -13,9 +13,11 @@ use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
 use huygens_kernels::rays::{Hits, Rays, Segments, untraceable};
 
 /// Finds the closest hit of each path's ray. `lost` is called with the slot of each path whose ray
-/// cannot be traced; it goes on as one that left the scene with a throughput of 0.
+/// cannot be traced; it goes on as one that left the scene with a throughput of 0. `times` are the
+/// paths' moments, where something moves.
 pub(crate) fn intersect(
     geometry: &Geometry,
+    times: Option<&[f32]>,
     paths: &mut Queue<PathsMut<'static>>,
     hits: &mut Queue<PathHitsMut<'static>>,
     mut lost: impl FnMut(u32),
@@ -35,27 +37,31 @@ pub(crate) fn intersect(
     }
     let view = paths.view();
     let out = hits.view_mut();
-    geometry.closest(
-        Rays {
-            len: n,
-            origin: view.origin,
-            direction: view.direction,
-            leaves: view.leaves,
-        },
-        Hits {
-            primitive: out.primitive,
-            t: out.t,
-            u: out.u,
-            v: out.v,
-        },
-    );
+    let rays = Rays {
+        len: n,
+        origin: view.origin,
+        direction: view.direction,
+        leaves: view.leaves,
+    };
+    let found = Hits {
+        primitive: out.primitive,
+        t: out.t,
+        u: out.u,
+        v: out.v,
+    };
+    match times {
+        None => geometry.closest(rays, found),
+        Some(times) => geometry.closest_at(times, rays, found),
+    }
     hits.set_len(n);
 }
 
 /// Answers the occlusion rays and adds the light of the free ones. `lost` is called with the slot of
 /// each that cannot be traced, `dropped` with that of each whose light is not finite.
+/// `times` are the rays' moments, where something moves.
 pub(crate) fn occlude(
     geometry: &Geometry,
+    times: Option<&[f32]>,
     shadows: &mut Queue<ShadowsMut<'static>>,
     occlusion: &mut Queue<OcclusionMut<'static>>,
     samples: &mut SampleBuffer,
@@ -73,17 +79,19 @@ pub(crate) fn occlude(
         }
     }
     let view = shadows.view();
-    geometry.occluded(
-        Segments {
-            len: n,
-            origin: view.origin,
-            direction: view.direction,
-            t_max: view.t_max,
-            leaves: view.leaves,
-            reaches: view.reaches,
-        },
-        occlusion.view_mut().occluded,
-    );
+    let segments = Segments {
+        len: n,
+        origin: view.origin,
+        direction: view.direction,
+        t_max: view.t_max,
+        leaves: view.leaves,
+        reaches: view.reaches,
+    };
+    let answers = occlusion.view_mut().occluded;
+    match times {
+        None => geometry.occluded(segments, answers),
+        Some(times) => geometry.occluded_at(times, segments, answers),
+    }
     occlusion.set_len(n);
     unoccluded(
         n,
@@ -122,6 +130,7 @@ mod tests {
         let mut lost = Vec::new();
         occlude(
             &Geometry::default(),
+            None,
             &mut shadows,
             &mut occlusion,
             &mut samples,

@@ -4,6 +4,7 @@
 use crate::scene::material::{Dielectric, Principled};
 use crate::scene::{Bsdf, Material};
 use huygens_kernels::bsdf::fresnel::conductor_mean;
+use huygens_kernels::scatter::kinds::CAUCHY_B;
 use huygens_kernels::tables::SLOTS;
 
 /// The parameters of `material`. A mixture has none.
@@ -33,12 +34,30 @@ pub(crate) fn parameters(material: &Material) -> [f32; SLOTS] {
             put(k);
             put(&tint.factor);
             put(&[roughness.factor, *anisotropy]);
-            let mean = |c: usize| conductor_mean(f64::from(eta[c]), f64::from(k[c])) as f32;
+            // Light that has met two facets or more is in proportion to it: at 0 there is none.
+            let mean = |c: usize| {
+                if material.compensation {
+                    conductor_mean(f64::from(eta[c]), f64::from(k[c])) as f32
+                } else {
+                    0.0
+                }
+            };
             put(&[mean(0), mean(1), mean(2)]);
         }
-        Bsdf::Dielectric(glass) => put_dielectric(glass, put),
-        Bsdf::Principled(p) => put_principled(p, put),
+        Bsdf::Dielectric(glass) => {
+            put_dielectric(glass, &mut put);
+            put(&[flag(material.compensation)]);
+        }
+        Bsdf::Principled(p) => {
+            put_principled(p, &mut put);
+            put(&[flag(material.compensation)]);
+        }
         Bsdf::Mix { .. } => {}
+    }
+    if let Bsdf::Dielectric(glass) = &material.bsdf
+        && let Some(cauchy) = glass.dispersion.filter(|_| !glass.thin)
+    {
+        (slots[0], slots[CAUCHY_B]) = (cauchy.a, cauchy.b);
     }
     slots
 }

@@ -10,6 +10,7 @@ use super::tally::{Tally, for_each_run};
 use huygens_kernels::bsdf;
 use huygens_kernels::cost::Cost;
 use huygens_kernels::lanes::LANES;
+use huygens_kernels::medium::IN_MEDIUM;
 use huygens_kernels::prefetch;
 use huygens_kernels::queues::{LAST_RAY, Listed, PathHits, Paths};
 use huygens_kernels::rays::NO_PRIMITIVE;
@@ -59,7 +60,13 @@ impl IndexList {
             paths,
             hits,
             material: None,
+            times: None,
         }
+    }
+
+    /// The indices, padded to whole vectors by repetitions of the last one.
+    pub(crate) fn padded(&self) -> &[u32] {
+        &self.indices
     }
 
     /// The indices, without padding.
@@ -222,6 +229,22 @@ impl Lists {
         setup: &Setup,
         wanted: Wanted,
     ) {
+        match setup.medium_list {
+            None => self.sort_with::<false>(n, paths, hits, setup, wanted, 0),
+            Some(list) => self.sort_with::<true>(n, paths, hits, setup, wanted, list),
+        }
+    }
+
+    /// `MEDIA` where paths may have been scattered before they met anything: they go to list `medium`.
+    fn sort_with<const MEDIA: bool>(
+        &mut self,
+        n: usize,
+        paths: Paths,
+        hits: PathHits,
+        setup: &Setup,
+        wanted: Wanted,
+        medium: usize,
+    ) {
         let routes = &setup.routes;
         let triangles = &setup.tables.triangles;
         let primitives = &hits.primitive[..n];
@@ -237,7 +260,9 @@ impl Lists {
                 if far && let Some(&later) = primitives.get(i + AHEAD) {
                     prefetch::ask_for(triangles.material, later);
                 }
-                if primitive == NO_PRIMITIVE {
+                if MEDIA && primitive == IN_MEDIUM {
+                    self.scatter[medium].push_if(i, paths.bounces[i] & LAST_RAY == 0);
+                } else if primitive == NO_PRIMITIVE {
                     self.sky.push_if(i, wanted.sky && light);
                 } else {
                     let (material, mut route) = match routes.only {

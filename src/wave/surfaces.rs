@@ -10,7 +10,7 @@ use super::queue::Queue;
 use super::sampling::{AnySampler, with_sampler};
 use super::shade::Program;
 use crate::effects::Shader;
-use huygens_kernels::queues::{DrawnMut, Listed, LitMut, SmoothMut, SurfacesMut};
+use huygens_kernels::queues::{self, DrawnMut, Listed, LitMut, SmoothMut, SurfacesMut};
 use huygens_kernels::scatter::interact::interact;
 use huygens_kernels::scatter::kinds;
 use huygens_kernels::scatter::light_up::light_up;
@@ -57,6 +57,11 @@ impl Surfaces {
         self.drawn.set_len(listed.len);
     }
 
+    /// What was met last, row by row of its list.
+    pub(crate) fn rows(&self) -> queues::Surfaces<'_> {
+        self.surfaces.view()
+    }
+
     /// One sample of the light around each.
     pub(crate) fn light_up(&mut self, shader: Shader, tables: &Tables) {
         let n = self.surfaces.len();
@@ -67,11 +72,12 @@ impl Surfaces {
     }
 
     /// What the BSDF makes of both.
-    pub(crate) fn respond(
+    pub(crate) fn respond<'a>(
         &self,
         program: Program,
         shader: Shader,
-        listed: Listed,
+        listed: Listed<'a>,
+        wavelengths: &'a [f32],
         tables: &Tables,
         out: &mut Out,
     ) {
@@ -81,15 +87,28 @@ impl Surfaces {
             drawn: self.drawn.view(),
             lit: self.lit.view(),
             smooth: self.smooth.as_ref().map(Queue::view),
+            wavelengths,
         };
         match shader {
-            Shader::Plain | Shader::Mix => unreachable!("they have no rows of their own"),
+            Shader::Plain | Shader::Medium | Shader::Mix => {
+                unreachable!("they have no rows of their own")
+            }
             Shader::Diffuse => with::<kinds::Diffuse>(program, rows, tables, out),
             Shader::RoughDiffuse => with::<kinds::RoughDiffuse>(program, rows, tables, out),
             Shader::SmoothConductor => with::<kinds::SmoothConductor>(program, rows, tables, out),
             Shader::RoughConductor => with::<kinds::RoughConductor>(program, rows, tables, out),
-            Shader::SmoothDielectric => with::<kinds::SmoothDielectric>(program, rows, tables, out),
-            Shader::RoughDielectric => with::<kinds::RoughDielectric>(program, rows, tables, out),
+            Shader::SmoothDielectric => {
+                with::<kinds::SmoothDielectric<false>>(program, rows, tables, out);
+            }
+            Shader::RoughDielectric => {
+                with::<kinds::RoughDielectric<false>>(program, rows, tables, out);
+            }
+            Shader::SmoothDispersive => {
+                with::<kinds::SmoothDielectric<true>>(program, rows, tables, out);
+            }
+            Shader::RoughDispersive => {
+                with::<kinds::RoughDielectric<true>>(program, rows, tables, out);
+            }
             Shader::Principled => with::<kinds::Principled<false>>(program, rows, tables, out),
             Shader::PrincipledGlass => with::<kinds::Principled<true>>(program, rows, tables, out),
         }

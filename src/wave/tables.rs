@@ -1,7 +1,9 @@
 //! From a compiled scene to the tables that kernels read.
 
 use super::lights::LightTables;
+use super::media::MediaTables;
 use super::parameters::parameters;
+use crate::effects;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::settings::Settings;
@@ -19,6 +21,7 @@ pub(crate) struct SceneTables<'a> {
     pub(crate) lights: LightTables,
     objects: Vec<Object<'a>>,
     sphere_material: Vec<u32>,
+    media: Option<MediaTables>,
 }
 
 impl<'a> SceneTables<'a> {
@@ -26,6 +29,7 @@ impl<'a> SceneTables<'a> {
     pub(crate) fn new(scene: &'a Scene, settings: &Settings) -> Self {
         let mut tables = Self {
             lights: LightTables::new(scene, settings),
+            media: effects::has_media(scene, settings).then(|| MediaTables::new(scene)),
             ..Self::default()
         };
         tables.others(scene);
@@ -64,6 +68,7 @@ impl<'a> SceneTables<'a> {
             sphere_material: &self.sphere_material,
             sphere_selection: &self.lights.sphere_selection,
             instances,
+            motions: geometry.motions(),
             guide: guide?,
             objects: &self.objects,
         })
@@ -91,6 +96,7 @@ impl<'a> SceneTables<'a> {
                 normals: &scene.mesh.normals,
                 uvs: &scene.mesh.uvs,
             }),
+            media: self.media.as_ref().map(MediaTables::view),
         }
     }
 }

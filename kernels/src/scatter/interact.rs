@@ -40,7 +40,7 @@ pub fn interact<S: Sampler>(
         let direction = Vec3x::gather_columns(listed.paths.direction, at);
         let primitive: Ux = gather_u32(listed.hits.primitive, at);
         let (u, v) = (gather(listed.hits.u, at), gather(listed.hits.v, at));
-        let place = Place::of(&tables.triangles, primitive, u, v);
+        let place = Place::of(&tables.triangles, primitive, u, v, || listed.times(at));
         let outside = place.outside;
         let front = outside.dot(direction).simd_lt(Fx::ZERO);
         let normal = Vec3x::select(front, outside, -outside);

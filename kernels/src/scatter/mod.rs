@@ -5,12 +5,16 @@
 
 //!   between: what the surface is, one sample of its light, and what its BSDF makes of both, one
 //!   kernel a kind of BSDF.
+//! * [`disperse`]: what a path becomes before it meets a dispersive surface.
+//! * [`medium`]: scattering in a medium, without a surface.
 //! * [`ambient`]: ambient occlusion.
 
 pub mod ambient;
+pub mod disperse;
 pub mod interact;
 pub mod kinds;
 pub mod light_up;
+pub mod medium;
 pub mod plain;
 pub mod respond;
 

@@ -94,7 +94,7 @@ pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(
                 & light.valid
                 & cos.simd_gt(Fx::ZERO)
                 & !as_mask(light.primitive.simd_eq(primitive))
-                & radiance.max_component().simd_gt(Fx::ZERO);
+                & radiance.any_light();
             let ray = Cast {
                 origin: light.origin,
                 segment: light.segment,
