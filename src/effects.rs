@@ -28,6 +28,10 @@ pub struct Effects {
     /// By material: what scatters there. Materials that no surface wears call for nothing and count as
     /// plain.
     pub shaders: Vec<Shader>,
+    /// Shaders of which some material reads images.
+    pub textured: Vec<Shader>,
+    /// Whether normal or bump maps bend shading normals.
+    pub relief: bool,
     /// Whether light comes from all around, or from discs at no distance.
     pub sky: bool,
     /// Whether surfaces emit.
@@ -134,9 +138,32 @@ impl Effects {
                 self.add(shader.name(), reason);
             }
         }
+        if transport {
+            self.images(scene, worn);
+        }
         if let Some(i) = smooth.iter().position(|&s| s).filter(|_| transport) {
             self.add("shading normals", material(&scene.materials[i]));
         }
+    }
+}
+
+/// The effects of images at surfaces.
+impl Effects {
+    fn images(&mut self, scene: &Scene, worn: &[bool]) {
+        let all = || scene.materials.iter().zip(worn).zip(&self.shaders);
+        let varied = all().filter(|((m, worn), _)| **worn && m.is_varied());
+        let textured: Vec<Shader> = varied.clone().map(|(_, &shader)| shader).collect();
+        let first = varied.map(|((m, _), _)| m).next();
+        let bent = all().find(|((m, worn), _)| **worn && m.normal_map.is_some());
+        let bent = bent.map(|((m, _), _)| m);
+        if let Some(m) = first {
+            self.add("textures", material(m));
+        }
+        if let Some(m) = bent {
+            self.relief = true;
+            self.add("normal maps", material(m));
+        }
+        self.textured = textured;
     }
 }
 

@@ -24,6 +24,7 @@ pub mod few;
 pub mod filter;
 pub mod flight;
 pub mod hemisphere;
+pub mod images;
 pub mod instance;
 pub mod interpolate;
 pub mod lanes;

@@ -80,13 +80,16 @@ impl Point {
                 (tangent * t.x + bitangent * t.y) * strength + n * t.z
             }
             Relief::Bump => {
-                // Differences over a texel, along the surface's own u and v.
-                let size = scene.textures[map.texture.texture as usize].size();
-                let step = DVec2::new(1.0 / f64::from(size[0]), 1.0 / f64::from(size[1]));
+                // Differences over a texel, in the mean over both axes, along the surface's own u
+                // and v.
+                let [w, h] = scene.textures[map.texture.texture as usize].size();
+                let [[a, b, _], [c, d, _]] = map.texture.uv.map(|row| row.map(f64::from));
+                let texels = f64::from(w) * f64::from(h) * (a * d - b * c).abs();
+                let step = 1.0 / texels.sqrt();
                 let height = |uv| strength * texture(scene, &map.texture, uv).x;
                 let here = height(self.uv);
-                let du = (height(self.uv + DVec2::X * step) - here) / step.x;
-                let dv = (height(self.uv + DVec2::Y * step) - here) / step.y;
+                let du = (height(self.uv + DVec2::X * step) - here) / step;
+                let dv = (height(self.uv + DVec2::Y * step) - here) / step;
                 let area = flat.dot(by_u.cross(by_v));
                 let (gradient_u, gradient_v) = (by_v.cross(flat) / area, flat.cross(by_u) / area);
                 self.normal - gradient_u * du - gradient_v * dv

@@ -12,11 +12,28 @@ impl Scene {
     #[must_use]
     pub fn unsupported(&self) -> Option<String> {
         let mut all = self.materials.iter().zip(self.worn());
-        all.find_map(|(m, worn)| {
+        let lacking = all.find_map(|(m, worn)| {
             let what = lacking(m).filter(|_| worn)?;
             Some(format!(
                 "material `{}` has {what}, which cannot be rendered yet",
                 m.name
+            ))
+        });
+        lacking.or_else(|| {
+            let spheres = self.spheres.iter().map(|s| s.material);
+            let copies = self.instances.iter().flat_map(|i| {
+                let own = &self.objects[i.object as usize].mesh.material;
+                i.material
+                    .iter()
+                    .chain(own.iter().filter(|_| i.material.is_none()))
+            });
+            let mut placed = spheres.chain(copies.copied());
+            let varied =
+                placed.find(|&m| self.materials[m as usize].reads_textures(&self.materials))?;
+            Some(format!(
+                "material `{}` has images and is worn by a sphere or an instance, which cannot be \
+                 rendered yet",
+                self.materials[varied as usize].name
             ))
         })
     }
@@ -34,16 +51,19 @@ impl Scene {
     }
 }
 
-/// What a material asks for and no kernel can do: an opacity, images.
+/// What a material asks for and no kernel can do: an opacity, some images.
 fn lacking(material: &Material) -> Option<String> {
     let alpha = material.alpha.map(|_| "`alpha`".to_owned());
     alpha.or_else(|| {
         let mut copy = material.clone();
         let slots = copy.textures_mut();
-        slots
-            .first()
-            .map(|slot| format!("a textured {}", slot.what()))
+        let slot = slots.iter().find(|slot| is_lacking(slot.what()));
+        slot.map(|slot| format!("a textured {}", slot.what()))
     })
+}
+
+fn is_lacking(slot: &str) -> bool {
+    matches!(slot, "emission" | "amount")
 }
 
 /// Takes away what a file of geometry asks for and cannot be rendered yet.
@@ -55,6 +75,9 @@ pub(super) fn stand_in(imported: &mut Imported, file: &std::path::Path) {
             lacks.push("opacity");
         }
         for mut slot in material.textures_mut() {
+            if !is_lacking(slot.what()) {
+                continue;
+            }
             lacks.push(slot.what());
             slot.remove();
         }
@@ -72,7 +95,7 @@ pub(super) fn stand_in(imported: &mut Imported, file: &std::path::Path) {
             n => format!(" and {} more", n - 1),
         };
         imported.warnings.push(format!(
-            "{}: images of {what} cannot be rendered yet; left out (material `{}`{more})",
+            "{}: {what} cannot be rendered yet; left out (material `{}`{more})",
             file.display(),
             names[0]
         ));

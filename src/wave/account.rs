@@ -24,6 +24,7 @@ pub(crate) enum Stage {
     Emission,
     Branch,
     Interact,
+    Texture,
     Light,
     Scatter(Shader),
     Occlude,
@@ -32,7 +33,7 @@ pub(crate) enum Stage {
 }
 
 impl Stage {
-    const COUNT: usize = 11 + Shader::ALL.len();
+    const COUNT: usize = 12 + Shader::ALL.len();
 
     /// All stages.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
@@ -44,6 +45,7 @@ impl Stage {
             Self::Emission,
             Self::Branch,
             Self::Interact,
+            Self::Texture,
             Self::Light,
         ];
         let shaders = Shader::ALL.into_iter().map(Self::Scatter);
@@ -63,8 +65,9 @@ impl Stage {
             Self::Emission => 4,
             Self::Branch => 5,
             Self::Interact => 6,
-            Self::Light => 7,
-            Self::Scatter(shader) => 8 + shader as usize,
+            Self::Texture => 7,
+            Self::Light => 8,
+            Self::Scatter(shader) => 9 + shader as usize,
             Self::Occlude => Self::COUNT - 3,
             Self::Roulette => Self::COUNT - 2,
             Self::Film => Self::COUNT - 1,
@@ -80,6 +83,7 @@ impl Stage {
             Self::Emission => "shade: emission",
             Self::Branch => "branch",
             Self::Interact => "interact",
+            Self::Texture => "texture",
             Self::Light => "sample lights",
             Self::Scatter(shader) => shader.stage(),
             Self::Occlude => "occlude",

@@ -13,6 +13,7 @@ mod control;
 mod counters;
 mod environment;
 mod generate;
+mod images;
 mod instruments;
 mod intersect;
 mod light_tree;

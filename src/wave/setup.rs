@@ -4,6 +4,7 @@ use super::account::Stage;
 use super::branch::{self, Branches};
 use super::camera;
 use super::mixtures::Mixtures;
+use super::parameters::Parameters;
 use super::sampling::AnySampler;
 use super::shade::Program;
 use super::sort::{Route, Routes, Wanted};
@@ -15,6 +16,7 @@ use crate::scene::Scene;
 use crate::settings::{Integrator, Settings};
 use huygens_kernels::camera::Lens;
 use huygens_kernels::roulette::{GAINS, Rules};
+use huygens_kernels::scatter::texture::Layout;
 use huygens_kernels::tables::Tables;
 
 /// The wave, as assembled for one render.
@@ -23,6 +25,10 @@ pub(crate) struct Setup<'a> {
     pub(crate) tables: Tables<'a>,
     /// The shaders that the scene's materials call for, in the order in which they run.
     pub(crate) shaders: Vec<Shader>,
+    /// For each of them, what images may vary, where they do.
+    pub(crate) textured: Vec<Option<Layout>>,
+    /// Whether shading normals differ from geometric ones anywhere.
+    bends: bool,
     /// Where some materials are mixtures of others.
     pub(crate) mixtures: Option<Mixtures>,
     /// By material.
@@ -66,6 +72,12 @@ impl<'a> Setup<'a> {
         }
         let used = |s: &Shader| *s != Shader::Mix && effects.shaders.contains(s);
         let shaders: Vec<Shader> = Shader::ALL.into_iter().filter(used).collect();
+        let textured = |s: &Shader| {
+            let of = effects.textured.contains(s).then_some(s)?;
+            let material = effects.shaders.iter().position(|t| t == of)?;
+            Some(Parameters::of(&scene.materials[material]).layout)
+        };
+        let textured = shaders.iter().map(textured).collect();
         let list = |s: &Shader| shaders.iter().position(|t| t == s).unwrap_or(0) as u8;
         let routes = scene.materials.iter().zip(&effects.shaders);
         let routes = routes.map(|(m, shader)| Route {
@@ -76,8 +88,10 @@ impl<'a> Setup<'a> {
         let routes = Routes::new(routes.collect(), mixtures.is_some());
         Self {
             geometry,
+            bends: !scene.mesh.normals.is_empty() || effects.relief,
             tables: scene_tables.view(scene, geometry),
             shaders,
+            textured,
             mixtures,
             routes,
             lens: Lens {
@@ -119,6 +133,7 @@ impl Setup<'_> {
             Stage::Sky => self.wanted.sky,
             Stage::Emission => self.wanted.emission,
             Stage::Interact => elaborate.next().is_some(),
+            Stage::Texture => self.textured.iter().any(Option::is_some),
             Stage::Light => elaborate.any(|&s| self.lights(s)),
             Stage::Scatter(shader) => self.shaders.contains(&shader),
             Stage::Occlude => self.casts_shadows(),
@@ -149,7 +164,8 @@ impl Setup<'_> {
             Surfaces::new(
                 self.capacity,
                 self.runs(Stage::Light),
-                self.tables.attributes.is_some(),
+                self.bends,
+                self.runs(Stage::Texture),
             )
         })
     }

@@ -14,6 +14,7 @@ use huygens_kernels::queues::{PathHitsMut, PathsMut};
 use huygens_kernels::rays::{CLOSEST, OCCLUSION};
 use huygens_kernels::scatter::interact::INTERACT;
 use huygens_kernels::scatter::light_up::LIGHT_UP;
+use huygens_kernels::scatter::texture::TEXTURE;
 use huygens_kernels::scatter::{Out, plain, respond};
 use huygens_kernels::{camera, roulette as roulette_kernel};
 
@@ -132,11 +133,18 @@ impl Wave<'_> {
                 Some(surfaces) if shader != Shader::Plain => {
                     surfaces.interact(listed, tables, sampler);
                     account.book(Stage::Interact, tally, tally, INTERACT * list.len());
+                    let textured = setup.textured[k].as_ref();
+                    if let Some(layout) = textured {
+                        surfaces.texture(listed, tables, layout);
+                        account.book(Stage::Texture, tally, tally, TEXTURE * list.len());
+                    }
                     if setup.lights(shader) {
                         surfaces.light_up(shader, tables);
                         account.book(Stage::Light, tally, tally, LIGHT_UP * list.len());
                     }
-                    surfaces.respond(program, shader, listed, tables, &mut out);
+                    let textured = textured.is_some();
+                    let materials = &tables.materials;
+                    surfaces.respond(program, shader, textured, listed, materials, &mut out);
                     [respond::PATH, respond::SHADOW]
                 }
                 _ => {

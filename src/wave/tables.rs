@@ -1,7 +1,8 @@
 //! From a compiled scene to the tables that kernels read.
 
+use super::images::ImageTables;
 use super::lights::LightTables;
-use super::parameters::parameters;
+use super::parameters::Parameters;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::settings::Settings;
@@ -19,6 +20,8 @@ pub(crate) struct SceneTables<'a> {
     pub(crate) lights: LightTables,
     objects: Vec<Object<'a>>,
     sphere_material: Vec<u32>,
+    /// Where materials read images.
+    images: Option<ImageTables<'a>>,
 }
 
 impl<'a> SceneTables<'a> {
@@ -26,6 +29,7 @@ impl<'a> SceneTables<'a> {
     pub(crate) fn new(scene: &'a Scene, settings: &Settings) -> Self {
         let mut tables = Self {
             lights: LightTables::new(scene, settings),
+            images: ImageTables::new(scene),
             ..Self::default()
         };
         tables.others(scene);
@@ -35,7 +39,7 @@ impl<'a> SceneTables<'a> {
                 tables.albedo[c].push(albedo[c]);
                 tables.emission[c].push(m.emission.factor[c]);
             }
-            for (column, value) in tables.parameters.iter_mut().zip(parameters(m)) {
+            for (column, value) in tables.parameters.iter_mut().zip(Parameters::of(m).slots) {
                 column.push(value);
             }
             tables
@@ -69,6 +73,15 @@ impl<'a> SceneTables<'a> {
         })
     }
 
+    fn view_of_attributes(&self, scene: &'a Scene) -> Option<Attributes<'a>> {
+        let mesh = &scene.mesh;
+        let read = !mesh.normals.is_empty() || self.images.is_some();
+        (read && mesh.triangles() > 0).then_some(Attributes {
+            normals: &mesh.normals,
+            uvs: &mesh.uvs,
+        })
+    }
+
     /// The view that kernels take.
     pub(crate) fn view(&'a self, scene: &'a Scene, geometry: &'a Geometry) -> Tables<'a> {
         let columns = |c: &'a [Vec<f32>; 3]| [&c[0][..], &c[1], &c[2]];
@@ -87,10 +100,8 @@ impl<'a> SceneTables<'a> {
                 area_pdf: &self.lights.area_pdf,
             },
             lights: self.lights.view(scene),
-            attributes: (!scene.mesh.normals.is_empty()).then(|| Attributes {
-                normals: &scene.mesh.normals,
-                uvs: &scene.mesh.uvs,
-            }),
+            attributes: self.view_of_attributes(scene),
+            images: self.images.as_ref().map(ImageTables::view),
         }
     }
 }

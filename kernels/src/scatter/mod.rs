@@ -2,9 +2,9 @@
 //!
 //! * [`plain`]: Lambertian surfaces without textures or interpolated normals, in one pass from hit
 //!   to scattered path. Scenes that hold nothing else run nothing else.
-
-//!   between: what the surface is, one sample of its light, and what its BSDF makes of both, one
-//!   kernel a kind of BSDF.
+//! * [`interact`], [`texture`], [`light_up`], [`respond`]: all others, in passes with queues in
+//!   between: what the surface is, what images say of it, one sample of its light, and what its BSDF
+//!   makes of all that, one kernel a kind of BSDF.
 //! * [`ambient`]: ambient occlusion.
 
 pub mod ambient;
@@ -13,6 +13,7 @@ pub mod kinds;
 pub mod light_up;
 pub mod plain;
 pub mod respond;
+pub mod texture;
 
 use crate::compact::Kept;
 use crate::hemisphere::{UNIFORM_PDF, cosine_pdf, sample_cosine, sample_uniform};

@@ -1,0 +1,85 @@
+//! From the images of a compiled scene to the tables by which kernels read them.
+
+use super::camera;
+use super::parameters::Parameters;
+use crate::scene::material::{NormalMap, Relief};
+use crate::scene::{Material, Scene};
+use huygens_kernels::images::{self, Cone, Images, SITES};
+use huygens_kernels::texture::{NO_TEXTURE, Texture, TextureUse, Textures};
+
+/// What materials read of images.
+#[derive(Debug)]
+pub(crate) struct ImageTables<'a> {
+    textures: Vec<Texture<'a>>,
+    uses: Vec<TextureUse>,
+    sites: [Vec<u32>; SITES],
+    /// Empty where no material has a map.
+    relief: Vec<images::Relief>,
+    cone: Cone,
+}
+
+impl<'a> ImageTables<'a> {
+    /// The tables of what surfaces of `scene` read, by material; none if they read nothing.
+    pub(crate) fn new(scene: &'a Scene) -> Option<Self> {
+        let read = |m: &Material| m.is_varied();
+        if !scene.materials.iter().any(read) {
+            return None;
+        }
+        let mut tables = Self {
+            textures: scene.textures.iter().map(|t| t.view()).collect(),
+            uses: Vec::new(),
+            sites: [const { Vec::new() }; SITES],
+            relief: Vec::new(),
+            cone: camera::cone(&scene.camera, &scene.film),
+        };
+        for material in &scene.materials {
+            let mut images = Parameters::of(material).images.into_iter();
+            for k in 0..SITES {
+                let index = tables.place(images.next().flatten());
+                tables.sites[k].push(index);
+            }
+        }
+        if scene.materials.iter().any(|m| m.normal_map.is_some()) {
+            for material in &scene.materials {
+                let map = material.normal_map.as_ref();
+                let row = map.map_or(images::Relief::NONE, |map| tables.relief(map));
+                tables.relief.push(row);
+            }
+        }
+        Some(tables)
+    }
+
+    /// The index of a texture use: a new one.
+    fn place(&mut self, texture: Option<TextureUse>) -> u32 {
+        let Some(texture) = texture else {
+            return NO_TEXTURE;
+        };
+        self.uses.push(texture);
+        self.uses.len() as u32 - 1
+    }
+
+    fn relief(&mut self, map: &NormalMap) -> images::Relief {
+        let [w, h] = self.textures[map.texture.texture as usize].levels[0].size;
+        let [[a, b, _], [c, d, _]] = map.texture.uv.map(|row| row.map(f64::from));
+        let texels = (f64::from(w) * f64::from(h) * (a * d - b * c).abs()).sqrt();
+        images::Relief {
+            texture: self.place(Some(map.texture)),
+            heights: map.kind == Relief::Bump,
+            strength: map.strength,
+            texel: (1.0 / texels) as f32,
+        }
+    }
+
+    /// The view that kernels take.
+    pub(crate) fn view(&self) -> Images<'_> {
+        Images {
+            textures: Textures {
+                textures: &self.textures,
+                uses: &self.uses,
+            },
+            sites: self.sites.each_ref().map(|column| &column[..]),
+            relief: &self.relief,
+            cone: self.cone,
+        }
+    }
+}
