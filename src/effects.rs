@@ -30,6 +30,8 @@ pub struct Effects {
     pub shaders: Vec<Shader>,
     /// Shaders of which some material reads images.
     pub textured: Vec<Shader>,
+    /// Whether some surfaces are not wholly there.
+    pub opacity: bool,
     /// Whether normal or bump maps bend shading normals.
     pub relief: bool,
     /// Whether light comes from all around, or from discs at no distance.
@@ -54,6 +56,7 @@ impl Effects {
             effects.add("instances", format!("object `{}`", object.name));
         }
         let worn = scene.worn();
+        effects.opacity(scene, &worn);
         effects.light(scene, &worn);
         effects.surfaces(scene, &worn, transport);
         if transport && settings.roulette {
@@ -149,6 +152,17 @@ impl Effects {
 
 /// The effects of images at surfaces.
 impl Effects {
+    fn opacity(&mut self, scene: &Scene, worn: &[bool]) {
+        let partial = |m: &Material| m.alpha.map(|alpha| alpha.cutoff.is_none());
+        for (name, wanted) in [("alpha masks", false), ("partial opacity", true)] {
+            let mut all = scene.materials.iter().zip(worn);
+            if let Some((m, _)) = all.find(|(m, worn)| **worn && partial(m) == Some(wanted)) {
+                self.opacity = true;
+                self.add(name, material(m));
+            }
+        }
+    }
+
     fn images(&mut self, scene: &Scene, worn: &[bool]) {
         let all = || scene.materials.iter().zip(worn).zip(&self.shaders);
         let varied = all().filter(|((m, worn), _)| **worn && m.is_varied());

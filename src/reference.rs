@@ -22,7 +22,7 @@ mod lights;
 mod sphere;
 mod surface;
 
-use self::surface::{Point, colour, is_there};
+use self::surface::{Point, colour, presence};
 use crate::film::{Job, SampleBuffer};
 use crate::scene::{Bsdf, Filter, Scene};
 use crate::settings::{Settings, Strategy};
@@ -143,7 +143,7 @@ impl<'a> Reference<'a> {
     }
 
     fn radiance(&self, rng: &mut impl Rng, ray: &Ray, depth: u32) -> DVec3 {
-        let Some(hit) = self.closest(ray) else {
+        let Some(hit) = self.closest(rng, ray) else {
             return self.lights.beyond(ray.direction);
         };
         let origin = ray.origin + hit.t * ray.direction;
@@ -186,7 +186,7 @@ impl<'a> Reference<'a> {
             };
             factor * omega_i.dot(shading).max(0.0)
         };
-        let delta = brdf * self.delta_lights(origin, cosine, hit.surface);
+        let delta = brdf * self.delta_lights(rng, origin, cosine, hit.surface);
         let weight = cosine(omega_i) / pdf;
         if weight == 0.0 {
             return emitted + delta;
@@ -200,7 +200,13 @@ impl<'a> Reference<'a> {
     }
 
     /// Irradiance by the lights that no ray finds, at `origin` on surface `leaves`.
-    fn delta_lights(&self, origin: DVec3, cosine: impl Fn(DVec3) -> f64, leaves: usize) -> DVec3 {
+    fn delta_lights(
+        &self,
+        rng: &mut impl Rng,
+        origin: DVec3,
+        cosine: impl Fn(DVec3) -> f64,
+        leaves: usize,
+    ) -> DVec3 {
         let arriving = self.lights.arriving(origin).map(|light| {
             let cos = cosine(light.direction);
             let ray = Ray {
@@ -208,7 +214,10 @@ impl<'a> Reference<'a> {
                 direction: light.direction,
                 leaves: Some(leaves),
             };
-            let free = cos > 0.0 && self.closest(&ray).is_none_or(|hit| hit.t >= light.distance);
+            let free = cos > 0.0
+                && self
+                    .closest(rng, &ray)
+                    .is_none_or(|hit| hit.t >= light.distance);
             if free {
                 light.irradiance * cos
             } else {
@@ -237,7 +246,7 @@ impl<'a> Reference<'a> {
     /// A ray that leaves a surface meets neither the triangle that it leaves nor anything nearer
     /// than the rounding of its origin; a sphere that it leaves only at its far side.
     #[inline(never)] // keeps what the recursion puts on the stack small
-    fn closest(&self, ray: &Ray) -> Option<Hit> {
+    fn closest(&self, rng: &mut impl Rng, ray: &Ray) -> Option<Hit> {
         let nearest = if ray.leaves.is_some() {
             self.nearest
         } else {
@@ -250,7 +259,7 @@ impl<'a> Reference<'a> {
                 && nearest < t
                 && t < farthest
                 && ray.leaves != Some(i)
-                && (i >= self.scene.mesh.triangles() || is_there(self.scene, i, weights))
+                && self.is_there(rng, i, weights)
             {
                 closest = Some(Hit {
                     surface: i,
@@ -274,6 +283,18 @@ impl<'a> Reference<'a> {
             }
         }
         closest
+    }
+
+    /// Whether a triangle is there for a ray, at these weights: of partial opacity, by chance.
+    fn is_there(&self, rng: &mut impl Rng, i: usize, weights: [f64; 2]) -> bool {
+        // Copies are wholly there.
+        let own = i < self.scene.mesh.triangles();
+        let presence = if own {
+            presence(self.scene, i, weights)
+        } else {
+            1.0
+        };
+        presence >= 1.0 || (presence > 0.0 && uniform(rng) < presence)
     }
 
     /// The unit normal of a surface's front at a point of it, and what it wears.

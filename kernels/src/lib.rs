@@ -35,6 +35,7 @@ pub mod many;
 pub mod math;
 pub mod mis;
 pub mod octahedral;
+pub mod opacity;
 pub mod order;
 pub mod others;
 pub mod packet;

@@ -18,6 +18,7 @@
 //! roundings (`sphere.rs`).
 
 use crate::instance::{Guide, Instance, OWN_MATERIAL};
+use crate::interpolate::Attributes;
 use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask};
 use crate::sphere::{self, Sphere};
 use crate::surface::{Corners, Place, clearance, gamma};
@@ -33,6 +34,17 @@ pub struct Object<'a> {
     pub indices: &'a [[u32; 3]],
     /// Material of each triangle.
     pub material: &'a [u32],
+    /// What vertices carry besides.
+    pub attributes: Attributes<'a>,
+}
+
+/// What a number behind those of the world's triangles means.
+#[derive(Clone, Copy, Debug)]
+pub enum Home<'a> {
+    /// A sphere.
+    Sphere,
+    /// A triangle of an object, by its index there.
+    Object(&'a Object<'a>, usize),
 }
 
 /// All that is no triangle of the world.
@@ -103,6 +115,19 @@ impl Others<'_> {
                 OWN_MATERIAL => self.objects[instance.object as usize].material[i],
                 worn => worn,
             },
+        }
+    }
+
+    /// Where what is called `primitive`, and is no triangle of the world, has its tables.
+    ///
+    /// # Panics
+    /// If nothing is called so.
+    #[must_use]
+    pub fn home(&self, primitive: u32) -> Home<'_> {
+        match self.part(primitive) {
+            Part::Triangle(_) => unreachable!("it is one of the world"),
+            Part::Sphere(_) => Home::Sphere,
+            Part::Copy(instance, i) => Home::Object(&self.objects[instance.object as usize], i),
         }
     }
 

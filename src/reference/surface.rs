@@ -130,13 +130,17 @@ impl Point {
     }
 }
 
-/// Whether a triangle's material is there at all, at these barycentric weights.
-pub(super) fn is_there(scene: &Scene, i: usize, weights: [f64; 2]) -> bool {
+/// How much of a triangle's material is there, at these barycentric weights: 0 or 1 of a mask.
+pub(super) fn presence(scene: &Scene, i: usize, weights: [f64; 2]) -> f64 {
     let material = &scene.materials[scene.mesh.material[i] as usize];
-    material.alpha.is_none_or(|mask| {
-        let uv = uv_at(&scene.mesh, i, weights);
-        number(scene, &mask.alpha, uv) >= f64::from(mask.cutoff)
-    })
+    let Some(alpha) = &material.alpha else {
+        return 1.0;
+    };
+    let opacity = number(scene, &alpha.opacity, uv_at(&scene.mesh, i, weights));
+    match alpha.cutoff {
+        Some(cutoff) => f64::from(u8::from(opacity >= f64::from(cutoff))),
+        None => opacity,
+    }
 }
 
 /// Texture coordinates; 0 where there are none.

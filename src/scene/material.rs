@@ -40,19 +40,21 @@ pub struct Material {
     pub emission: Textured<[f32; 3]>,
     /// Whether it emits from the back too.
     pub two_sided: bool,
-    /// Where it is not there at all.
-    pub alpha: Option<AlphaMask>,
+    /// Where it is not there, or not wholly.
+    pub alpha: Option<Alpha>,
     /// What bends its shading normal.
     pub normal_map: Option<NormalMap>,
 }
 
-/// Cuts holes: a surface is there where `alpha >= cutoff`.
+/// How much of a surface is there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AlphaMask {
-    /// Opacity, 0..=1.
-    pub alpha: Textured<f32>,
-    /// In 0..=1.
-    pub cutoff: f32,
+pub struct Alpha {
+    /// Opacity, 0..=1: the share of light that meets the surface; the rest goes on as if it were not
+    /// there.
+    pub opacity: Textured<f32>,
+    /// Makes a mask of it, in 0..=1: the surface is wholly there where its opacity is at least that, and
+    /// elsewhere not at all.
+    pub cutoff: Option<f32>,
 }
 
 /// A shading normal that varies over the surface.

@@ -31,7 +31,7 @@ impl Scene {
             let varied =
                 placed.find(|&m| self.materials[m as usize].reads_textures(&self.materials))?;
             Some(format!(
-                "material `{}` has images and is worn by a sphere or an instance, which cannot be \
+                "material `{}` has images or `alpha` and is worn by a sphere or an instance, which cannot be \
                  rendered yet",
                 self.materials[varied as usize].name
             ))
@@ -51,9 +51,10 @@ impl Scene {
     }
 }
 
-/// What a material asks for and no kernel can do: an opacity, some images.
+/// What a material asks for and no kernel can do: an opacity of what emits, some images.
 fn lacking(material: &Material) -> Option<String> {
-    let alpha = material.alpha.map(|_| "`alpha`".to_owned());
+    let alpha = material.alpha.filter(|_| material.emits());
+    let alpha = alpha.map(|_| "`alpha` and `emission`".to_owned());
     alpha.or_else(|| {
         let mut copy = material.clone();
         let slots = copy.textures_mut();
@@ -71,8 +72,8 @@ pub(super) fn stand_in(imported: &mut Imported, file: &std::path::Path) {
     let mut removed: Vec<(String, Vec<String>)> = Vec::new();
     for material in &mut imported.materials {
         let mut lacks = Vec::new();
-        if material.alpha.take().is_some() {
-            lacks.push("opacity");
+        if material.emits() && material.alpha.take().is_some() {
+            lacks.push("opacity of what emits");
         }
         for mut slot in material.textures_mut() {
             if !is_lacking(slot.what()) {

@@ -2,9 +2,12 @@
 
 use super::camera;
 use super::parameters::Parameters;
-use crate::scene::material::{NormalMap, Relief};
+use crate::scene::material::{Alpha, NormalMap, Relief};
 use crate::scene::{Material, Scene};
 use huygens_kernels::images::{self, Cone, Images, SITES};
+use huygens_kernels::interpolate::Attributes;
+use huygens_kernels::opacity::{Opacities, Opacity};
+use huygens_kernels::tables::Triangles;
 use huygens_kernels::texture::{NO_TEXTURE, Texture, TextureUse, Textures};
 
 /// What materials read of images.
@@ -15,14 +18,17 @@ pub(crate) struct ImageTables<'a> {
     sites: [Vec<u32>; SITES],
     /// Empty where no material has a map.
     relief: Vec<images::Relief>,
+    /// Empty where all materials are wholly there.
+    opacity: Vec<Opacity>,
     cone: Cone,
 }
 
 impl<'a> ImageTables<'a> {
-    /// The tables of what surfaces of `scene` read, by material; none if they read nothing.
+    /// The tables of what surfaces of `scene` read, by material; none if they read nothing and are
+    /// wholly there.
     pub(crate) fn new(scene: &'a Scene) -> Option<Self> {
-        let read = |m: &Material| m.is_varied();
-        if !scene.materials.iter().any(read) {
+        let called_for = |m: &Material| m.is_varied() || m.alpha.is_some();
+        if !scene.materials.iter().any(called_for) {
             return None;
         }
         let mut tables = Self {
@@ -30,6 +36,7 @@ impl<'a> ImageTables<'a> {
             uses: Vec::new(),
             sites: [const { Vec::new() }; SITES],
             relief: Vec::new(),
+            opacity: Vec::new(),
             cone: camera::cone(&scene.camera, &scene.film),
         };
         for material in &scene.materials {
@@ -44,6 +51,13 @@ impl<'a> ImageTables<'a> {
                 let map = material.normal_map.as_ref();
                 let row = map.map_or(images::Relief::NONE, |map| tables.relief(map));
                 tables.relief.push(row);
+            }
+        }
+        if scene.materials.iter().any(|m| m.alpha.is_some()) {
+            for material in &scene.materials {
+                let alpha = material.alpha.as_ref();
+                let row = alpha.map_or(Opacity::WHOLE, |alpha| tables.opacity(alpha));
+                tables.opacity.push(row);
             }
         }
         Some(tables)
@@ -70,13 +84,44 @@ impl<'a> ImageTables<'a> {
         }
     }
 
+    fn opacity(&mut self, alpha: &Alpha) -> Opacity {
+        Opacity {
+            factor: alpha.opacity.factor,
+            texture: self.place(alpha.opacity.texture),
+            cutoff: alpha.cutoff.unwrap_or(f32::NAN),
+        }
+    }
+
+    fn textures(&self) -> Textures<'_> {
+        Textures {
+            textures: &self.textures,
+            uses: &self.uses,
+        }
+    }
+
+    /// What traversals ask, where some material is not wholly there.
+    pub(crate) fn opacities(
+        &'a self,
+        scene: &'a Scene,
+        triangles: Triangles<'a>,
+        seed: u32,
+    ) -> Option<Opacities<'a>> {
+        (!self.opacity.is_empty()).then(|| Opacities {
+            of: &self.opacity,
+            textures: self.textures(),
+            triangles,
+            attributes: Attributes {
+                normals: &scene.mesh.normals,
+                uvs: &scene.mesh.uvs,
+            },
+            seed,
+        })
+    }
+
     /// The view that kernels take.
     pub(crate) fn view(&self) -> Images<'_> {
         Images {
-            textures: Textures {
-                textures: &self.textures,
-                uses: &self.uses,
-            },
+            textures: self.textures(),
             sites: self.sites.each_ref().map(|column| &column[..]),
             relief: &self.relief,
             cone: self.cone,

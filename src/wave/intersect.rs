@@ -5,17 +5,34 @@
 //!
 //! A ray that cannot be traced (see [`untraceable`]) is reported and carries nothing from there on.
 
+use super::branch::Slots;
 use super::queue::Queue;
 use crate::film::SampleBuffer;
 use crate::geometry::Geometry;
 use huygens_kernels::emission::unoccluded;
-use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
+use huygens_kernels::opacity::{Opacities, There};
+use huygens_kernels::queues::{MARKS, OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
 use huygens_kernels::rays::{Hits, Rays, Segments, untraceable};
+
+/// What rays meet.
+#[derive(Clone, Copy)]
+pub(crate) struct Obstacles<'a> {
+    pub(crate) geometry: &'a Geometry,
+    /// Where some surfaces are not wholly there.
+    pub(crate) opacities: Option<&'a Opacities<'a>>,
+}
+
+/// Ends of the words that name a path's rays for partial opacity, beside their bounce: none that
+/// mixtures use, which count from 0. Branches of one sample share the names of their occlusion rays,
+/// which leaves the mean of their sum what it is.
+const CLOSEST: u32 = 0xfe;
+/// See [`CLOSEST`].
+const OCCLUSION: u32 = 0xff;
 
 /// Finds the closest hit of each path's ray. `lost` is called with the slot of each path whose ray
 /// cannot be traced; it goes on as one that left the scene with a throughput of 0.
 pub(crate) fn intersect(
-    geometry: &Geometry,
+    obstacles: Obstacles,
     paths: &mut Queue<PathsMut<'static>>,
     hits: &mut Queue<PathHitsMut<'static>>,
     mut lost: impl FnMut(u32),
@@ -35,27 +52,36 @@ pub(crate) fn intersect(
     }
     let view = paths.view();
     let out = hits.view_mut();
-    geometry.closest(
-        Rays {
-            len: n,
-            origin: view.origin,
-            direction: view.direction,
-            leaves: view.leaves,
-        },
-        Hits {
-            primitive: out.primitive,
-            t: out.t,
-            u: out.u,
-            v: out.v,
-        },
-    );
+    let rays = Rays {
+        len: n,
+        origin: view.origin,
+        direction: view.direction,
+        leaves: view.leaves,
+    };
+    let found = Hits {
+        primitive: out.primitive,
+        t: out.t,
+        u: out.u,
+        v: out.v,
+    };
+    match obstacles.opacities {
+        None => obstacles.geometry.closest(rays, found),
+        Some(opacities) => {
+            let which = |i: usize| !((view.bounces[i] & !MARKS) << 8 | CLOSEST);
+            let name = |i: usize| [view.pixel[i], view.sample[i], which(i)];
+            obstacles
+                .geometry
+                .closest_where(&There { opacities, name }, rays, found);
+        }
+    }
     hits.set_len(n);
 }
 
 /// Answers the occlusion rays and adds the light of the free ones. `lost` is called with the slot of
 /// each that cannot be traced, `dropped` with that of each whose light is not finite.
 pub(crate) fn occlude(
-    geometry: &Geometry,
+    obstacles: Obstacles,
+    slots: Slots,
     shadows: &mut Queue<ShadowsMut<'static>>,
     occlusion: &mut Queue<OcclusionMut<'static>>,
     samples: &mut SampleBuffer,
@@ -73,17 +99,27 @@ pub(crate) fn occlude(
         }
     }
     let view = shadows.view();
-    geometry.occluded(
-        Segments {
-            len: n,
-            origin: view.origin,
-            direction: view.direction,
-            t_max: view.t_max,
-            leaves: view.leaves,
-            reaches: view.reaches,
-        },
-        occlusion.view_mut().occluded,
-    );
+    let segments = Segments {
+        len: n,
+        origin: view.origin,
+        direction: view.direction,
+        t_max: view.t_max,
+        leaves: view.leaves,
+        reaches: view.reaches,
+    };
+    let answers = occlusion.view_mut().occluded;
+    match obstacles.opacities {
+        None => obstacles.geometry.occluded(segments, answers),
+        Some(opacities) => {
+            let name = |i: usize| {
+                let (x, y, sample) = slots.sample_of(view.slot[i]);
+                [x | y << 16, sample, !(view.bounces[i] << 8 | OCCLUSION)]
+            };
+            obstacles
+                .geometry
+                .occluded_where(&There { opacities, name }, segments, answers);
+        }
+    }
     occlusion.set_len(n);
     unoccluded(
         n,
@@ -98,6 +134,7 @@ pub(crate) fn occlude(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::{Film, Job};
     use huygens_kernels::rays::NO_PRIMITIVE;
 
     #[test]
@@ -120,8 +157,19 @@ mod tests {
         let mut occlusion = Queue::new(8);
         let mut samples = SampleBuffer::new(8);
         let mut lost = Vec::new();
+        let film = Film::new(1, 1, 16);
+        let job = Job {
+            tile_index: 0,
+            tile: film.tiles()[0],
+            first_sample: 0,
+            samples: 1,
+        };
         occlude(
-            &Geometry::default(),
+            Obstacles {
+                geometry: &Geometry::default(),
+                opacities: None,
+            },
+            Slots::new(&job, 0..1, 1),
             &mut shadows,
             &mut occlusion,
             &mut samples,

@@ -3,6 +3,7 @@
 use super::account::Stage;
 use super::branch::{self, Branches};
 use super::camera;
+use super::intersect::Obstacles;
 use super::mixtures::Mixtures;
 use super::parameters::Parameters;
 use super::sampling::AnySampler;
@@ -15,6 +16,7 @@ use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::settings::{Integrator, Settings};
 use huygens_kernels::camera::Lens;
+use huygens_kernels::opacity::Opacities;
 use huygens_kernels::roulette::{GAINS, Rules};
 use huygens_kernels::scatter::texture::Layout;
 use huygens_kernels::tables::Tables;
@@ -23,6 +25,8 @@ use huygens_kernels::tables::Tables;
 pub(crate) struct Setup<'a> {
     pub(crate) geometry: &'a Geometry,
     pub(crate) tables: Tables<'a>,
+    /// Where some surfaces are not wholly there.
+    pub(crate) opacities: Option<Opacities<'a>>,
     /// The shaders that the scene's materials call for, in the order in which they run.
     pub(crate) shaders: Vec<Shader>,
     /// For each of them, what images may vary, where they do.
@@ -90,6 +94,9 @@ impl<'a> Setup<'a> {
             geometry,
             bends: !scene.mesh.normals.is_empty() || effects.relief,
             tables: scene_tables.view(scene, geometry),
+            opacities: scene_tables
+                .opacities(scene, geometry, settings.seed)
+                .filter(|_| effects.opacity),
             shaders,
             textured,
             mixtures,
@@ -139,6 +146,14 @@ impl Setup<'_> {
             Stage::Occlude => self.casts_shadows(),
             Stage::Branch => !self.split.is_empty(),
             Stage::Roulette => transport,
+        }
+    }
+
+    /// What rays meet.
+    pub(crate) fn obstacles(&self) -> Obstacles<'_> {
+        Obstacles {
+            geometry: self.geometry,
+            opacities: self.opacities.as_ref(),
         }
     }
 

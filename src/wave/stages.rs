@@ -38,7 +38,7 @@ impl Wave<'_> {
     pub(super) fn intersect(&mut self, slots: Slots) {
         let account = &mut self.account;
         intersect::intersect(
-            self.setup.geometry,
+            self.setup.obstacles(),
             &mut self.paths,
             &mut self.hits,
             |slot| {
@@ -180,7 +180,8 @@ impl Wave<'_> {
         let account = &mut self.account;
         let mut lost = Vec::new();
         intersect::occlude(
-            self.setup.geometry,
+            self.setup.obstacles(),
+            slots,
             &mut self.shadows,
             &mut self.occlusion,
             samples,

@@ -7,6 +7,7 @@ use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::settings::Settings;
 use huygens_kernels::interpolate::Attributes;
+use huygens_kernels::opacity::Opacities;
 use huygens_kernels::others::{Object, Others};
 use huygens_kernels::tables::{Materials, SLOTS, Tables, Triangles};
 
@@ -55,6 +56,10 @@ impl<'a> SceneTables<'a> {
             vertices: &o.mesh.vertices,
             indices: &o.mesh.indices,
             material: &o.mesh.material,
+            attributes: Attributes {
+                normals: &o.mesh.normals,
+                uvs: &o.mesh.uvs,
+            },
         };
         self.objects = scene.objects.iter().map(object).collect();
         self.sphere_material = scene.spheres.iter().map(|s| s.material).collect();
@@ -71,6 +76,17 @@ impl<'a> SceneTables<'a> {
             guide: guide?,
             objects: &self.objects,
         })
+    }
+
+    /// What traversals ask, where some material is not wholly there.
+    pub(crate) fn opacities(
+        &'a self,
+        scene: &'a Scene,
+        geometry: &'a Geometry,
+        seed: u32,
+    ) -> Option<Opacities<'a>> {
+        let triangles = self.view(scene, geometry).triangles;
+        self.images.as_ref()?.opacities(scene, triangles, seed)
     }
 
     fn view_of_attributes(&self, scene: &'a Scene) -> Option<Attributes<'a>> {

@@ -127,8 +127,8 @@ impl Material {
         let mut all = Vec::new();
         self.bsdf.textures_mut(&mut all);
         value(&mut all, "emission", &mut self.emission, false);
-        if let Some(mask) = &mut self.alpha {
-            value(&mut all, "opacity", &mut mask.alpha, true);
+        if let Some(alpha) = &mut self.alpha {
+            value(&mut all, "opacity", &mut alpha.opacity, true);
         }
         if self.normal_map.is_some() {
             all.push(Slot::Relief(&mut self.normal_map));
