@@ -32,6 +32,8 @@ pub struct Effects {
     pub textured: Vec<Shader>,
     /// Whether some surfaces are not wholly there.
     pub opacity: bool,
+    /// Whether surfaces emit that do not emit the same all over.
+    pub varying_emission: bool,
     /// Whether normal or bump maps bend shading normals.
     pub relief: bool,
     /// Whether light comes from all around, or from discs at no distance.
@@ -122,6 +124,15 @@ impl Effects {
         if let Some((m, _)) = emitting.find(|(m, _)| emits(m)) {
             self.emission = true;
             self.add("emissive triangles", material(m));
+        }
+        let mut emitting = scene
+            .materials
+            .iter()
+            .zip(worn)
+            .filter(|(m, w)| **w && emits(m));
+        if let Some((m, _)) = emitting.find(|(m, _)| m.emission_varies()) {
+            self.varying_emission = true;
+            self.add("varying emission", material(m));
         }
     }
 

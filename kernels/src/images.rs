@@ -23,8 +23,9 @@
 //! surface: what it leaves out, the pixel's samples average.
 
 use crate::interpolate::{Interpolated, towards};
-use crate::lanes::{Fx, Mask, Ux, as_bits, as_mask};
+use crate::lanes::{Fx, Mask, Ux, as_bits, as_mask, gather_u32};
 use crate::math::INV_PI;
+use crate::opacity::Opacity;
 use crate::tables::Tables;
 use crate::texture::{NO_TEXTURE, Textures};
 use crate::vec3::Vec3x;
@@ -110,8 +111,61 @@ pub struct Images<'a> {
     pub sites: [&'a [u32]; SITES],
     /// Normal and bump maps, by material; empty if there are none.
     pub relief: &'a [Relief],
+    /// Texture uses of emission, by material; empty if none has one.
+    pub emission: &'a [u32],
+    /// Opacities, by material; empty if all are wholly there.
+    pub opacity: &'a [Opacity],
     /// The cone of the camera's rays.
     pub cone: Cone,
+}
+
+impl Images<'_> {
+    /// The texture uses of the emission of `material` where `busy`, else [`NO_TEXTURE`].
+    #[inline(always)]
+    #[must_use]
+    pub fn emission_of(&self, material: Ux, busy: Mask) -> Ux {
+        if self.emission.is_empty() {
+            return Ux::splat(NO_TEXTURE);
+        }
+        as_bits(busy).select(gather_u32(self.emission, material), Ux::splat(NO_TEXTURE))
+    }
+
+    /// Where the emission of `material` may vary over a surface: by an image, or by what is there.
+    #[inline(always)]
+    #[must_use]
+    pub fn vary_emission(&self, material: Ux) -> Mask {
+        let all = as_mask(Ux::splat(u32::MAX));
+        let plain = self
+            .emission_of(material, all)
+            .simd_eq(Ux::splat(NO_TEXTURE));
+        let whole = |m: u32| {
+            self.opacity
+                .get(m as usize)
+                .is_none_or(|o| *o == Opacity::WHOLE)
+        };
+        let whole = material
+            .to_array()
+            .map(|m| if whole(m) { u32::MAX } else { 0 });
+        !as_mask(plain & Ux::new(whole))
+    }
+
+    /// How much of `material` is there at points of triangles: of masks, 0 or 1.
+    #[inline]
+    #[must_use]
+    pub fn opacity_at(&self, tables: &Tables, primitive: Ux, material: Ux, u: Fx, v: Fx) -> Fx {
+        if self.opacity.is_empty() {
+            return Fx::ONE;
+        }
+        let rows = material.to_array().map(|m| self.opacity[m as usize]);
+        let which = Ux::new(rows.map(|row| row.texture));
+        let uv = Read::at(tables, primitive, u, v, Fx::ZERO);
+        let uv = uv.map_or([Fx::ZERO; 2], |read| read.point.uv);
+        let factor = Fx::new(rows.map(|row| row.factor));
+        let alpha = factor * self.textures.sample(which, uv, Fx::ZERO).x;
+        let cutoff = Fx::new(rows.map(|row| row.cutoff));
+        let mask = alpha.simd_ge(cutoff) & Fx::ONE;
+        cutoff.simd_eq(cutoff).select(mask, alpha)
+    }
 }
 
 /// Where the lanes' hits are in texture coordinates.

@@ -1,6 +1,7 @@
 //! Materials as a compiled scene holds them: what a surface does with light, in the units of the
 //! scene format (`docs/scene-format.md`), with references to textures by index.
 
+use super::texture::Texture;
 pub use huygens_kernels::texture::{Channel, TexelFilter, TextureUse, Wrap};
 
 /// A number or colour that may vary over a surface: `factor` times the texel, component by
@@ -20,6 +21,16 @@ impl<T> Textured<T> {
             factor,
             texture: None,
         }
+    }
+}
+
+impl Textured<[f32; 3]> {
+    /// The mean over the whole image, of which `textures` are the scene's.
+    #[must_use]
+    pub fn mean(&self, textures: &[Texture]) -> [f32; 3] {
+        let texture = self.texture.map(|read| &textures[read.texture as usize]);
+        let mean = texture.map_or([1.0; 3], Texture::mean);
+        std::array::from_fn(|c| self.factor[c] * mean[c])
     }
 }
 
@@ -237,6 +248,12 @@ impl Material {
     #[must_use]
     pub fn emits(&self) -> bool {
         self.emission.factor.iter().any(|&c| c > 0.0)
+    }
+
+    /// Whether what it emits is not the same all over: by an image, or because not all of it is there.
+    #[must_use]
+    pub fn emission_varies(&self) -> bool {
+        self.emits() && (self.emission.texture.is_some() || self.alpha.is_some())
     }
 
     /// Its colour in one word, textures apart: the diffuse reflectance; of a metal, what it reflects

@@ -1,9 +1,7 @@
-//! What scenes may say that no kernel can render yet. Entries leave this list as kernels arrive: a
-//! native scene that asks for one is refused; a material of an MTL file goes without it, with a
-//! warning.
+//! What scenes may say that no kernel can render yet. Entries leave this list as kernels arrive; a
+//! scene that asks for one is refused.
 
 use super::compiled::Scene;
-use super::import::Imported;
 use super::material::{Bsdf, Material};
 
 impl Scene {
@@ -19,23 +17,25 @@ impl Scene {
                 m.name
             ))
         });
-        lacking.or_else(|| {
-            let spheres = self.spheres.iter().map(|s| s.material);
-            let copies = self.instances.iter().flat_map(|i| {
-                let own = &self.objects[i.object as usize].mesh.material;
-                i.material
-                    .iter()
-                    .chain(own.iter().filter(|_| i.material.is_none()))
-            });
-            let mut placed = spheres.chain(copies.copied());
-            let varied =
-                placed.find(|&m| self.materials[m as usize].reads_textures(&self.materials))?;
-            Some(format!(
-                "material `{}` has images or `alpha` and is worn by a sphere or an instance, which cannot be \
-                 rendered yet",
-                self.materials[varied as usize].name
-            ))
-        })
+        lacking.or_else(|| self.lacking_on_others())
+    }
+
+    /// What spheres and copies of objects cannot wear.
+    fn lacking_on_others(&self) -> Option<String> {
+        let spheres = self.spheres.iter().map(|s| s.material);
+        let copies = self.instances.iter().flat_map(|i| {
+            let own = &self.objects[i.object as usize].mesh.material;
+            let own = own.iter().filter(|_| i.material.is_none());
+            i.material.iter().chain(own)
+        });
+        let lacks = |m: &Material| m.alpha.is_some() || m.reads_textures(&self.materials);
+        let mut placed = spheres.chain(copies.copied());
+        let found = placed.find(|&m| lacks(&self.materials[m as usize]))?;
+        Some(format!(
+            "material `{}` has images or `alpha` and is worn by a sphere or an instance, which \
+             cannot be rendered yet",
+            self.materials[found as usize].name
+        ))
     }
 
     /// Why the reference tracer would give another image than the wave, if so: it knows Lambertian
@@ -51,54 +51,14 @@ impl Scene {
     }
 }
 
-/// What a material asks for and no kernel can do: an opacity of what emits, some images.
+/// What a material asks for and no kernel can do: some images.
 fn lacking(material: &Material) -> Option<String> {
-    let alpha = material.alpha.filter(|_| material.emits());
-    let alpha = alpha.map(|_| "`alpha` and `emission`".to_owned());
-    alpha.or_else(|| {
-        let mut copy = material.clone();
-        let slots = copy.textures_mut();
-        let slot = slots.iter().find(|slot| is_lacking(slot.what()));
-        slot.map(|slot| format!("a textured {}", slot.what()))
-    })
+    let mut copy = material.clone();
+    let slots = copy.textures_mut();
+    let slot = slots.iter().find(|slot| is_lacking(slot.what()));
+    slot.map(|slot| format!("a textured {}", slot.what()))
 }
 
 fn is_lacking(slot: &str) -> bool {
-    matches!(slot, "emission" | "amount")
-}
-
-/// Takes away what a file of geometry asks for and cannot be rendered yet.
-pub(super) fn stand_in(imported: &mut Imported, file: &std::path::Path) {
-    let mut removed: Vec<(String, Vec<String>)> = Vec::new();
-    for material in &mut imported.materials {
-        let mut lacks = Vec::new();
-        if material.emits() && material.alpha.take().is_some() {
-            lacks.push("opacity of what emits");
-        }
-        for mut slot in material.textures_mut() {
-            if !is_lacking(slot.what()) {
-                continue;
-            }
-            lacks.push(slot.what());
-            slot.remove();
-        }
-        for what in lacks {
-            let name = material.name.clone();
-            match removed.iter_mut().find(|(known, _)| known == what) {
-                Some((_, names)) => names.push(name),
-                None => removed.push((what.to_owned(), vec![name])),
-            }
-        }
-    }
-    for (what, names) in removed {
-        let more = match names.len() {
-            1 => String::new(),
-            n => format!(" and {} more", n - 1),
-        };
-        imported.warnings.push(format!(
-            "{}: {what} cannot be rendered yet; left out (material `{}`{more})",
-            file.display(),
-            names[0]
-        ));
-    }
+    slot == "amount"
 }

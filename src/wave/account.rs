@@ -27,13 +27,14 @@ pub(crate) enum Stage {
     Texture,
     Light,
     Scatter(Shader),
+    Vary,
     Occlude,
     Roulette,
     Film,
 }
 
 impl Stage {
-    const COUNT: usize = 12 + Shader::ALL.len();
+    const COUNT: usize = 13 + Shader::ALL.len();
 
     /// All stages.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
@@ -49,10 +50,12 @@ impl Stage {
             Self::Light,
         ];
         let shaders = Shader::ALL.into_iter().map(Self::Scatter);
-        before
-            .into_iter()
-            .chain(shaders)
-            .chain([Self::Occlude, Self::Roulette, Self::Film])
+        before.into_iter().chain(shaders).chain([
+            Self::Vary,
+            Self::Occlude,
+            Self::Roulette,
+            Self::Film,
+        ])
     }
 
     /// Its place among [`Stage::all`].
@@ -68,6 +71,7 @@ impl Stage {
             Self::Texture => 7,
             Self::Light => 8,
             Self::Scatter(shader) => 9 + shader as usize,
+            Self::Vary => Self::COUNT - 4,
             Self::Occlude => Self::COUNT - 3,
             Self::Roulette => Self::COUNT - 2,
             Self::Film => Self::COUNT - 1,
@@ -86,6 +90,7 @@ impl Stage {
             Self::Texture => "texture",
             Self::Light => "sample lights",
             Self::Scatter(shader) => shader.stage(),
+            Self::Vary => "texture lights",
             Self::Occlude => "occlude",
             Self::Roulette => "roulette",
             Self::Film => "film",

@@ -18,6 +18,8 @@ pub(crate) struct ImageTables<'a> {
     sites: [Vec<u32>; SITES],
     /// Empty where no material has a map.
     relief: Vec<images::Relief>,
+    /// Empty where no material has one for its emission.
+    emission: Vec<u32>,
     /// Empty where all materials are wholly there.
     opacity: Vec<Opacity>,
     cone: Cone,
@@ -27,7 +29,8 @@ impl<'a> ImageTables<'a> {
     /// The tables of what surfaces of `scene` read, by material; none if they read nothing and are
     /// wholly there.
     pub(crate) fn new(scene: &'a Scene) -> Option<Self> {
-        let called_for = |m: &Material| m.is_varied() || m.alpha.is_some();
+        let called_for =
+            |m: &Material| m.is_varied() || m.alpha.is_some() || m.emission.texture.is_some();
         if !scene.materials.iter().any(called_for) {
             return None;
         }
@@ -36,6 +39,7 @@ impl<'a> ImageTables<'a> {
             uses: Vec::new(),
             sites: [const { Vec::new() }; SITES],
             relief: Vec::new(),
+            emission: Vec::new(),
             opacity: Vec::new(),
             cone: camera::cone(&scene.camera, &scene.film),
         };
@@ -51,6 +55,13 @@ impl<'a> ImageTables<'a> {
                 let map = material.normal_map.as_ref();
                 let row = map.map_or(images::Relief::NONE, |map| tables.relief(map));
                 tables.relief.push(row);
+            }
+        }
+        let lamp = |m: &Material| m.emits() && m.emission.texture.is_some();
+        if scene.materials.iter().any(lamp) {
+            for material in &scene.materials {
+                let index = tables.place(material.emission.texture.filter(|_| material.emits()));
+                tables.emission.push(index);
             }
         }
         if scene.materials.iter().any(|m| m.alpha.is_some()) {
@@ -124,6 +135,8 @@ impl<'a> ImageTables<'a> {
             textures: self.textures(),
             sites: self.sites.each_ref().map(|column| &column[..]),
             relief: &self.relief,
+            emission: &self.emission,
+            opacity: &self.opacity,
             cone: self.cone,
         }
     }

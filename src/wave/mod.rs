@@ -11,6 +11,7 @@ mod branch;
 mod camera;
 mod control;
 mod counters;
+mod emitted;
 mod environment;
 mod generate;
 mod images;

@@ -33,6 +33,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) textured: Vec<Option<Layout>>,
     /// Whether shading normals differ from geometric ones anywhere.
     bends: bool,
+    /// Whether lights are not the same all over.
+    varying_emission: bool,
     /// Where some materials are mixtures of others.
     pub(crate) mixtures: Option<Mixtures>,
     /// By material.
@@ -92,6 +94,7 @@ impl<'a> Setup<'a> {
         let routes = Routes::new(routes.collect(), mixtures.is_some());
         Self {
             geometry,
+            varying_emission: effects.varying_emission,
             bends: !scene.mesh.normals.is_empty() || effects.relief,
             tables: scene_tables.view(scene, geometry),
             opacities: scene_tables
@@ -143,6 +146,7 @@ impl Setup<'_> {
             Stage::Texture => self.textured.iter().any(Option::is_some),
             Stage::Light => elaborate.any(|&s| self.lights(s)),
             Stage::Scatter(shader) => self.shaders.contains(&shader),
+            Stage::Vary => self.varying_emission && self.program.samples_lights(),
             Stage::Occlude => self.casts_shadows(),
             Stage::Branch => !self.split.is_empty(),
             Stage::Roulette => transport,

@@ -10,6 +10,7 @@ use crate::effects::Shader;
 use crate::film::SampleBuffer;
 use huygens_kernels::cost::{Cost, item};
 use huygens_kernels::emission::{SKY, SURFACE, UNOCCLUDED};
+use huygens_kernels::light::{VARIED, vary};
 use huygens_kernels::queues::{PathHitsMut, PathsMut};
 use huygens_kernels::rays::{CLOSEST, OCCLUSION};
 use huygens_kernels::scatter::interact::INTERACT;
@@ -168,6 +169,11 @@ impl Wave<'_> {
             account.book(stage, tally, &on.plus(&cast), cost);
         }
         let (on, cast) = (out.path_len, out.shadow_len);
+        if cast > 0 && setup.runs(Stage::Vary) {
+            vary(cast, &mut out.shadows, tables);
+            let varied = Tally::of(&out.shadows.bounces[..cast], 0);
+            account.book(Stage::Vary, &varied, &varied, VARIED * cast);
+        }
         self.scattered.set_len(on);
         self.shadows.set_len(cast);
     }
