@@ -10,8 +10,8 @@ use huygens_kernels::bvh::Bvh;
 use huygens_kernels::few::{Few, Triangle};
 use huygens_kernels::lanes::padded;
 use huygens_kernels::rays::{Hits, NO_PRIMITIVE, Rays, Segments};
-use huygens_kernels::{few, flight, packet, traverse};
-use tracing::{Random, RaySet, bumpy_sphere, cube, random_soup};
+use huygens_kernels::{few, flight, many, packet, traverse};
+use tracing::{Random, RaySet, bumpy_sphere, cube, moved, random_soup, soup};
 
 /// Hits and occlusion as bits, every column that is not unspecified.
 type Answers = Vec<(u32, u32, u32, u32, u32)>;
@@ -172,6 +172,54 @@ fn of_any_length_and_along_axes() {
     }
 }
 
+/// Triangles in the planes of a lattice of eighths, many of them through the origin: boxes without a
+/// thickness.
+fn flat_triangles(n: usize) -> Mesh {
+    let mut random = Random(54);
+    let mut place = || {
+        let mut eighth = || (8.0 * random.signed()).round() / 8.0;
+        let corner = [eighth(), eighth(), eighth()];
+        let axis = random.below(3);
+        let mut corners = [corner; 3];
+        corners[1][(axis + 1) % 3] += 0.25;
+        corners[2][(axis + 2) % 3] += 0.25;
+        corners
+    };
+    soup(&(0..n).map(|_| place()).collect::<Vec<_>>())
+}
+
+#[test]
+fn in_planes_and_almost_along_axes() {
+    // Components whose reciprocals are limited, and those just above, of either sign.
+    let small = [0.0, 1e-45, 1e-38, 1e-25, 5.4e-20, 5.5e-20, 1e-12, 1e-7, 0.3];
+    for scale in [1e-6, 1.0, 1e6, 1e15] {
+        let mesh = moved(flat_triangles(3000), scale, [0.0; 3]);
+        let geometry = Geometry::build(&mesh);
+        let mut random = Random(55);
+        let mut rays = RaySet::default();
+        for i in 0..6000 {
+            let main = random.below(3);
+            let origin = random.point().map(|p| scale * (8.0 * p).round() / 8.0);
+            let mut direction = [(); 3].map(|()| small[random.below(small.len())]);
+            direction[main] = 1.0;
+            let mut sign = || if random.unit() < 0.5 { -1.0 } else { 1.0 };
+            rays.push(origin, direction.map(|d: f32| d * sign()));
+            rays.t_max[i] = 0.5 * scale;
+        }
+        let expected = alone(geometry.bvh(), &rays);
+        let met = expected.iter().filter(|e| e.0 != NO_PRIMITIVE).count();
+        assert!(met > 2000, "{met} at scale {scale}");
+        assert!(expected == together::<32>(geometry.bvh(), &rays));
+        let Some(found) = by_avx512(geometry.bvh(), &rays) else {
+            continue;
+        };
+        for (i, (expected, found)) in expected.iter().zip(&found).enumerate() {
+            let ray = (rays.origin[i], rays.direction[i], rays.t_max[i]);
+            assert_eq!(expected, found, "{ray:?}");
+        }
+    }
+}
+
 #[test]
 fn for_any_number_of_rays() {
     let mesh = random_soup(300, 22);
@@ -294,8 +342,54 @@ fn without_a_tree() {
                 |r, h| few::closest(few, r, h),
                 |s, o| few::occluded(few, s, o),
             );
-            assert!(found == alone(geometry.bvh(), &rays), "{n} rays");
+            let expected = alone(geometry.bvh(), &rays);
+            assert!(found == expected, "{n} rays");
+            // By AVX-512 where there is any.
+            let found = answers(
+                &rays,
+                |r, h| many::closest_of_few(few, r, h),
+                |s, o| many::occluded_by_few(few, s, o),
+            );
+            assert!(found == expected, "{n} rays, {} form", many::form());
         }
+    }
+}
+
+#[test]
+fn without_a_tree_at_edges_and_along_axes() {
+    // Every ray through a lattice on which the cube's edges and corners lie: most are in doubt.
+    let mesh = cube();
+    let geometry = Geometry::build(&mesh);
+    let few = Few {
+        vertices: &mesh.vertices,
+        triangles: &all(&mesh),
+    };
+    let mut random = Random(56);
+    let mut rays = RaySet::default();
+    for i in 0..4000 {
+        let coarse = |x: f32| (2.0 * x).round() * 0.5;
+        let origin = random.point().map(|p| coarse(1.6 * p));
+        let length = 10f32.powi(i % 83 - 44);
+        rays.push(origin, random.point().map(|p| length * coarse(p)));
+        rays.t_max[i as usize] = 2.0 / length;
+        rays.leaves[i as usize] = random.below(24) as u32;
+    }
+    let expected = alone(geometry.bvh(), &rays);
+    assert!(expected.iter().filter(|e| e.0 != NO_PRIMITIVE).count() > 800);
+    let portable = answers(
+        &rays,
+        |r, h| few::closest(few, r, h),
+        |s, o| few::occluded(few, s, o),
+    );
+    let fastest = answers(
+        &rays,
+        |r, h| many::closest_of_few(few, r, h),
+        |s, o| many::occluded_by_few(few, s, o),
+    );
+    for i in 0..rays.len() {
+        let ray = (rays.origin[i], rays.direction[i], rays.t_max[i]);
+        assert_eq!(portable[i], fastest[i], "{ray:?}, {} form", many::form());
+        assert_eq!(portable[i], expected[i], "{ray:?}");
     }
 }
 

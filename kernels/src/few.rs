@@ -82,6 +82,49 @@ pub fn occluded(few: Few, segments: Segments, occluded: &mut [u32]) {
     );
 }
 
+/// [`closest`] for ray `i` alone, by the exact test.
+#[cfg(target_arch = "x86_64")]
+pub(crate) fn closest_of_one(few: Few, rays: Rays, hits: Hits, i: usize) {
+    hits.primitive[i] = NO_PRIMITIVE;
+    let Some(eight) = Eight::of_one(rays.origin, rays.direction, i) else {
+        return;
+    };
+    let leaves = Ux::splat(rays.leaves[i]);
+    let mut visitor = ClosestOf {
+        few,
+        leaves: rays.leaves,
+        hits,
+    };
+    let best = visitor.visit_exactly(&eight, leaves);
+    visitor.store(&eight, &best);
+}
+
+/// [`occluded`] for segment `i` alone, by the exact test.
+#[cfg(target_arch = "x86_64")]
+pub(crate) fn occluded_of_one(few: Few, segments: Segments, occluded: &mut [u32], i: usize) {
+    occluded[i] = 0;
+    let Some(eight) = Eight::of_one(segments.origin, segments.direction, i) else {
+        return;
+    };
+    let t_max = eight.inward(Fx::splat(segments.t_max[i]));
+    let named = [segments.leaves[i], segments.reaches[i]];
+    let visitor = OcclusionBy {
+        few,
+        segments,
+        occluded,
+    };
+    let excluded = |triangle: &Triangle| {
+        let one = if named.contains(&triangle.primitive) {
+            u32::MAX
+        } else {
+            0
+        };
+        as_mask(Ux::splat(one))
+    };
+    let met = visitor.visit_exactly(&eight, t_max, excluded).to_bitmask();
+    visitor.occluded[i] = met & 1;
+}
+
 /// Vertices as eight rays see them.
 type Sheared = [[Fx; 3]; MAX_VERTICES];
 

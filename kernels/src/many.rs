@@ -1,9 +1,10 @@
-//! Many rays through the tree, by the fastest form that this processor has: `avx512/` or
-//! `flight.rs`. Both give the same answers, bit for bit.
+//! Many rays through the tree, or past a few triangles, by the fastest form that this processor has:
+//! `avx512/`, or `flight.rs` and `few.rs`. Both give the same answers, bit for bit.
 //!
 //! Input and output: as `traverse.rs`.
 
 use crate::bvh::Bvh;
+use crate::few::{self, Few};
 use crate::flight;
 use crate::rays::{Hits, Rays, Segments};
 
@@ -31,7 +32,31 @@ pub fn occluded(bvh: Bvh, segments: Segments, occluded: &mut [u32]) {
     flight::occluded::<IN_FLIGHT>(bvh, segments, occluded);
 }
 
-/// What [`closest`] and [`occluded`] use here.
+/// [`closest`] without a tree.
+///
+/// # Panics
+/// If a column is shorter than `rays.len`, or there are too many vertices.
+pub fn closest_of_few(few: Few, rays: Rays, hits: Hits) {
+    #[cfg(target_arch = "x86_64")]
+    if crate::avx512::available() {
+        return crate::avx512::few::closest(few, rays, hits);
+    }
+    few::closest(few, rays, hits);
+}
+
+/// [`occluded`] without a tree.
+///
+/// # Panics
+/// If a column is shorter than `segments.len`, or there are too many vertices.
+pub fn occluded_by_few(few: Few, segments: Segments, occluded: &mut [u32]) {
+    #[cfg(target_arch = "x86_64")]
+    if crate::avx512::available() {
+        return crate::avx512::few::occluded(few, segments, occluded);
+    }
+    few::occluded(few, segments, occluded);
+}
+
+/// What these functions use here.
 #[must_use]
 pub fn form() -> &'static str {
     #[cfg(target_arch = "x86_64")]

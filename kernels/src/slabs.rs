@@ -14,7 +14,9 @@
 //! origin along each axis are off by a factor of at most `1 + 5u`: subtraction, shear, product and
 //! the rounded direction; and its distance is rounded by `13u` at most. So a triangle that the test
 //! accepts has `t` within the slabs to `(3 + 4 + 5 + 13) u = 25u`; `PAD = 32u = 2^-19` covers that, and second-order terms, with the
-//! next power of two. This holds while `t` stays above the smallest normal number.
+//! next power of two. This holds while `t`, and the way
+//! along each axis where it is not 0, stay above the smallest normal number: below it the triangle
+//! test loses digits that this test does not.
 //!
 //! **Zero components.** `1 / ±0` is an infinity of the same sign. A plane strictly to one side
 //! then gives the infinity that keeps or ends the interval, as it must; a plane that contains

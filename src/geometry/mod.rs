@@ -120,7 +120,7 @@ impl Geometry {
         } else if self.few.triangles.is_empty() {
             packet::closest(self.bvh(), rays, hits);
         } else {
-            few::closest(self.few.view(), rays, hits);
+            many::closest_of_few(self.few.view(), rays, hits);
         }
     }
 
@@ -131,7 +131,7 @@ impl Geometry {
         } else if self.few.triangles.is_empty() {
             many::occluded(self.bvh(), segments, occluded);
         } else {
-            few::occluded(self.few.view(), segments, occluded);
+            many::occluded_by_few(self.few.view(), segments, occluded);
         }
     }
 

@@ -117,8 +117,10 @@ fn edges(slot: &Slot, block: &Block, group: &mut Group, r: usize) {
     const CORNERS: __mmask16 = 0x0fff;
     let numbers: &[f32] = bytemuck::cast_slice(bytemuck::bytes_of(block));
     let ray = &slot.ray;
+    // One number, so that the compiler does not make a vector of three bytes.
+    let axes = u32::from_le_bytes(ray.axes);
     let corners = |k: usize| {
-        let first = 12 * usize::from(ray.axes[k]).min(2);
+        let first = 12 * (axes as usize >> (8 * k) & 3).min(2);
         let corners = numbers[first..first + 16].try_into().expect("sixteen");
         _mm512_maskz_sub_ps(CORNERS, load16(corners), _mm512_set1_ps(ray.permuted[k]))
     };

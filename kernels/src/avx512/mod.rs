@@ -6,11 +6,12 @@
 //! the gaps. So a turn here is a number of short sweeps over all rays of a queue, each with a short chain,
 //! and what one sweep finds lies in small arrays for the next:
 //!
-//! 1. nodes: test eight boxes, both planes of an axis in one vector (`node.rs`);
-//! 2. nodes: put the children hit on the ray's stack, in order (`node.rs`, `slot.rs`);
+//! 1. nodes: test eight boxes (`node.rs`);
+//! 2. nodes: put the children hit on the ray's stack, in order, but for the nearest, which is next
+//!    (`node.rs`, `slot.rs`);
 //! 3. leaves: edge functions, the three corners of four triangles in one vector (`leaf.rs`);
 //! 4. leaves: distances and what is nearest, four rays with four triangles each in a vector (`leaf.rs`);
-//! 5. both: the next reference from the stack (`slot.rs`);
+//! 5. leaves, and nodes of which no child is hit: the next reference from the stack (`slot.rs`);
 //! 6. both: queues and prefetches, sixteen rays at a time (`queue.rs`).
 //!
 //! Rays are made ready sixteen at a time (`prepare.rs`). The few whose direction is so long or so
@@ -24,6 +25,7 @@
 //!
 //! Input and output: as `traverse.rs`.
 
+pub mod few;
 mod leaf;
 mod node;
 mod prepare;
@@ -34,9 +36,9 @@ mod slot;
 use crate::bvh::{Block, Bvh, LEAF, index};
 use crate::query::Prepared;
 use crate::rays::{Hits, NO_PRIMITIVE, Rays, Segments};
-use crate::slabs::PAD;
 use crate::traverse;
 use leaf::{Found, Groups};
+use node::Met;
 use prepare::Stage;
 use queue::{Queues, What};
 use slot::{Slot, key};
@@ -86,26 +88,10 @@ pub fn occluded(bvh: Bvh, segments: Segments, occluded: &mut [u32]) {
     }
 }
 
-/// What one sweep of a turn leaves for the next, by place in the turn's list.
-struct Turn {
-    /// Where the boxes are entered, and which are hit.
-    enter: [[f32; 8]; N],
-    hits: [u8; N],
-    next: [u32; N],
-}
-
-impl Turn {
-    const NEW: Self = Self {
-        enter: [[0.0; 8]; N],
-        hits: [0; N],
-        next: [0; N],
-    };
-}
-
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
 fn fly_closest(slots: &mut [Slot; N], bvh: Bvh, rays: &Rays, hits: &mut Hits) {
-    let (mut stage, mut queues) = (Stage::new(), Queues::new());
-    let (mut turn, mut groups) = (Turn::NEW, Groups::NEW);
+    let (mut stage, mut queues) = (Stage::new(bvh), Queues::new());
+    let (mut next, mut groups) = ([0; N], Groups::NEW);
     queues.done.fill_with_all();
     let mut started = false;
     loop {
@@ -129,20 +115,24 @@ fn fly_closest(slots: &mut [Slot; N], bvh: Bvh, rays: &Rays, hits: &mut Hits) {
         started = true;
         if queues.nodes.len() > queues.leaves.len() {
             let ids = queues.nodes.ids();
-            for (i, &id) in ids.iter().enumerate() {
-                let slot = &slots[id as usize % N];
-                let node = &bvh.nodes[index(slot.next)];
-                // Padded as every limit.
-                let limit = slot.t() * (1.0 + PAD);
-                turn.hits[i] = node::test(&slot.ray, node, limit, &mut turn.enter[i]);
+            let mut missed = 0;
+            let mut put = |i: usize, id: usize, met: Met, slots: &mut [Slot; N]| {
+                next[i % N] = slots[id].push_in_order(met);
+                missed |= u64::from(met.hits == 0) << i;
+            };
+            let (mut id, mut met) = closest_of(bvh, slots, ids[0]);
+            for (i, &later) in ids[1..].iter().enumerate() {
+                let after = closest_of(bvh, slots, later);
+                put(i, id, met, slots);
+                (id, met) = after;
             }
-            for (i, &id) in ids.iter().enumerate() {
-                let slot = &mut slots[id as usize % N];
-                let children = bvh.nodes[index(slot.next)].child.as_array();
-                slot.push_in_order(children, turn.hits[i], &turn.enter[i]);
+            put(ids.len() - 1, id, met, slots);
+            while missed != 0 {
+                let i = missed.trailing_zeros() as usize % N;
+                next[i] = slots[ids[i] as usize % N].pop_in_order();
+                missed &= missed - 1;
             }
-            choose_in_order(slots, ids, &mut turn.next);
-            queues.sort(bvh, What::Nodes, &turn.next);
+            queues.sort(bvh, What::Nodes, &next);
         } else if queues.leaves.len() > 0 {
             let ids = queues.leaves.ids();
             groups.edges(bvh, slots, ids);
@@ -160,8 +150,8 @@ fn fly_closest(slots: &mut [Slot; N], bvh: Bvh, rays: &Rays, hits: &mut Hits) {
                     slots[id as usize % N].improve(best.key[r], best.uv[r]);
                 }
             }
-            choose_in_order(slots, ids, &mut turn.next);
-            queues.sort(bvh, What::Leaves, &turn.next);
+            choose_in_order(slots, ids, &mut next);
+            queues.sort(bvh, What::Leaves, &next);
         } else {
             break;
         }
@@ -170,8 +160,8 @@ fn fly_closest(slots: &mut [Slot; N], bvh: Bvh, rays: &Rays, hits: &mut Hits) {
 
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
 fn fly_occluded(slots: &mut [Slot; N], bvh: Bvh, segments: &Segments, occluded: &mut [u32]) {
-    let (mut stage, mut queues) = (Stage::new(), Queues::new());
-    let (mut turn, mut groups) = (Turn::NEW, Groups::NEW);
+    let (mut stage, mut queues) = (Stage::new(bvh), Queues::new());
+    let (mut next, mut groups) = ([0; N], Groups::NEW);
     queues.done.fill_with_all();
     let mut started = false;
     loop {
@@ -193,15 +183,14 @@ fn fly_occluded(slots: &mut [Slot; N], bvh: Bvh, segments: &Segments, occluded: 
         started = true;
         if queues.nodes.len() > queues.leaves.len() {
             let ids = queues.nodes.ids();
-            for &id in ids {
-                let slot = &mut slots[id as usize % N];
-                let node = &bvh.nodes[index(slot.next)];
-                let limit = slot.ray.span * (1.0 + PAD);
-                let hits = node::test(&slot.ray, node, limit, &mut turn.enter[0]);
-                slot.push(node.child.as_array(), hits);
+            let (mut id, mut met) = within(bvh, slots, ids[0]);
+            for (i, &later) in ids[1..].iter().enumerate() {
+                let after = within(bvh, slots, later);
+                next[i % N] = slots[id].push(met);
+                (id, met) = after;
             }
-            choose(slots, ids, &mut turn.next);
-            queues.sort(bvh, What::Nodes, &turn.next);
+            next[(ids.len() - 1) % N] = slots[id].push(met);
+            queues.sort(bvh, What::Nodes, &next);
         } else if queues.leaves.len() > 0 {
             let ids = queues.leaves.ids();
             groups.edges(bvh, slots, ids);
@@ -220,12 +209,33 @@ fn fly_occluded(slots: &mut [Slot; N], bvh: Bvh, segments: &Segments, occluded: 
                     slots[id as usize % N].best = u64::from(blocked >> (4 * r) & 15 != 0);
                 }
             }
-            choose(slots, ids, &mut turn.next);
-            queues.sort(bvh, What::Leaves, &turn.next);
+            choose(slots, ids, &mut next);
+            queues.sort(bvh, What::Leaves, &next);
         } else {
             break;
         }
     }
+}
+
+/// A ray, and what it meets of its next node before its nearest hit.
+#[inline]
+#[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+fn closest_of(bvh: Bvh, slots: &[Slot; N], id: u32) -> (usize, Met) {
+    let id = id as usize % N;
+    let slot = &slots[id];
+    (id, node::test(slot, &bvh.nodes[index(slot.next)], slot.t()))
+}
+
+/// A ray, and what its segment meets of its next node.
+#[inline]
+#[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+fn within(bvh: Bvh, slots: &[Slot; N], id: u32) -> (usize, Met) {
+    let id = id as usize % N;
+    let slot = &slots[id];
+    (
+        id,
+        node::test(slot, &bvh.nodes[index(slot.next)], slot.ray.span),
+    )
 }
 
 /// Takes each ray's next reference within its limit from its stack.

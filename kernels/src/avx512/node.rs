@@ -1,39 +1,75 @@
-//! A ray against the eight boxes of a node: `slabs.rs`, both planes of an axis in one vector, and
-//! the order of what it hits: `order.rs`.
+//! A ray against the eight boxes of a node, and the order of what it hits: `order.rs`.
+//!
+//! As `slabs.rs`, never missing a box that the ray or its rounded triangle test could enter, but by one
+//! fused operation a plane: `t = b i + a`, where `i` is the reciprocal of the direction's component,
+//! `a = -o i - e` for the plane met first and `-o i + e` for the other. `prepare.rs` makes them.
+//!
+//! **Bound.** Let `u = 2^-24` and `c` be `o i` as rounded, so `|c - o i| <= u |o i|`. With `e = 4u |c|`
+//! the near value is at most `((b - o) i + u |o i| + u (|c| + e) - e) (1 + u)`. The terms in between
+//! add up to less than 0, so what remains of the near value's error are the roundings of `1 / d` and of
+//! the fused operation: two, where `slabs.rs` has three. The far value likewise. As there, everything
+//! rests on `t` above the smallest normal number, which `e` has added.
+//!
+//! **Small components.** A component below `2^-64` of the largest, zeros of either sign among them, is
+//! taken for one of that size, and `e` has `S` more, at least any distance at which the ray can meet
+//! something. Over such a distance the ray moves by no more than `S 2^-64` along the axis: if its
+//! place along the axis is ever beyond the plane met first, then `(b - o) 2^64 <= S`, and the near value
+//! is not above 0; if it is ever before the other plane, then `b - o >= 0`, and the far value is not
+//! below `S`. So a box grows by `2^-64` of the distance, no more: rays along an axis are culled as well as
+//! others. What overflows comes out as infinities on the wide side or as NaN, which counts as a hit.
 
-use super::simd::{load8, store8};
-use super::slot::Ray;
+use super::simd::{load8, load8_bytes};
+use super::slot::Slot;
 use crate::bvh::Node;
 use crate::slabs::PAD;
 use std::arch::x86_64::*;
 
-/// Which boxes meet the ray at `0 ..= limit`, a bit each; `enter` is where. `limit` is padded.
-#[inline]
-#[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-pub(super) fn test(ray: &Ray, node: &Node, limit: f32, enter: &mut [f32; 8]) -> u8 {
-    // Distances to the planes met first in the lower half, to the others in the upper one.
-    let distances = |axis: usize| {
-        let near = usize::from(ray.near[axis] & 1);
-        let planes = |side: usize| load8(node.planes[2 * axis + side].as_array());
-        let both = _mm512_insertf32x8::<1>(_mm512_castps256_ps512(planes(near)), planes(near ^ 1));
-        let along = _mm512_sub_ps(both, _mm512_set1_ps(ray.origin[axis]));
-        _mm512_mul_ps(along, _mm512_set1_ps(ray.inverse[axis]))
-    };
-    let (x, y, z) = (distances(0), distances(1), distances(2));
-    // What may be NaN stands first, as in `slabs.rs`: the second is then what is left.
-    let last = _mm512_max_ps(x, _mm512_max_ps(y, _mm512_max_ps(z, _mm512_setzero_ps())));
-    let never = _mm512_set1_ps(f32::INFINITY);
-    let first = _mm512_min_ps(x, _mm512_min_ps(y, _mm512_min_ps(z, never)));
-    let entered = _mm512_castps512_ps256(last);
-    let left = _mm512_extractf32x8_ps::<1>(first);
-    let left = _mm256_mul_ps(left, _mm256_set1_ps(1.0 + PAD));
-    let left = _mm256_min_ps(left, _mm256_set1_ps(limit));
-    store8(enter, entered);
-    _mm256_cmp_ps_mask::<_CMP_NGT_UQ>(entered, left)
+/// What a ray meets of a node.
+#[derive(Clone, Copy)]
+pub(super) struct Met {
+    /// Which boxes, a bit each.
+    pub(super) hits: u8,
+    /// Where it enters them.
+    pub(super) enter: __m256,
+    /// What they hold.
+    pub(super) children: __m256,
 }
 
-/// Lane numbers, in the low three bits, that bring the lanes of `hits` to the front in the order of
-/// falling `enter`; of equal ones in that of rising lane.
+/// Which boxes the ray meets at `0 ..= limit`.
+#[inline]
+#[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+pub(super) fn test(slot: &Slot, node: &Node, limit: f32) -> Met {
+    let planes: &[u8; 256] = bytemuck::cast_ref(node);
+    let ray = &slot.ray;
+    let inverse = |axis: usize| _mm256_set1_ps(ray.inverse[axis]);
+    let along = |axis: usize, from: usize, add: f32| {
+        let first = 2 * SIDE * axis + from;
+        // Always there: `from` is 0 or `SIDE`.
+        let planes = planes[first..first + SIDE].first_chunk().expect("a row");
+        _mm256_fmadd_ps(load8_bytes(planes), inverse(axis), _mm256_set1_ps(add))
+    };
+    let near = |axis: usize| usize::from(ray.near[axis]) & SIDE;
+    let (x, y, z) = (near(0), near(1), near(2));
+    // What may be NaN stands first: the second is then what is left.
+    let last = _mm256_max_ps(along(2, z, ray.enter[2]), _mm256_setzero_ps());
+    let last = _mm256_max_ps(along(1, y, ray.enter[1]), last);
+    let last = _mm256_max_ps(along(0, x, ray.enter[0]), last);
+    let first = _mm256_min_ps(along(2, z ^ SIDE, slot.leave[2]), _mm256_set1_ps(limit));
+    let first = _mm256_min_ps(along(1, y ^ SIDE, slot.leave[1]), first);
+    let first = _mm256_min_ps(along(0, x ^ SIDE, slot.leave[0]), first);
+    let left = _mm256_mul_ps(first, _mm256_set1_ps(1.0 + PAD));
+    Met {
+        hits: _mm256_cmp_ps_mask::<_CMP_NGT_UQ>(last, left),
+        enter: last,
+        children: load8(bytemuck::cast_ref(node.child.as_array())),
+    }
+}
+
+/// Bytes of eight planes.
+const SIDE: usize = 32;
+
+/// The lanes of `hits` in the order of falling `enter`, of equal ones in that of rising lane: `enter`
+/// but for its low three bits, which say which ([`lanes`]).
 #[inline]
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
 pub(super) fn descending(hits: u8, enter: __m256) -> __m256i {
@@ -41,11 +77,17 @@ pub(super) fn descending(hits: u8, enter: __m256) -> __m256i {
     let coarse = _mm256_and_si256(_mm256_castps_si256(enter), _mm256_set1_epi32(!7));
     // Lanes that are not hit are filled with 0: no key is less.
     let keys = _mm256_maskz_compress_epi32(hits, _mm256_or_si256(coarse, last_first));
-    let keys = if hits.count_ones() > 4 {
+    if hits.count_ones() > 4 {
         sort8(keys)
     } else {
         _mm256_castsi128_si256(sort4(_mm256_castsi256_si128(keys)))
-    };
+    }
+}
+
+/// Lane numbers, in the low three bits, of what [`descending`] gives.
+#[inline]
+#[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+pub(super) fn lanes(keys: __m256i) -> __m256i {
     _mm256_xor_si256(keys, _mm256_set1_epi32(7))
 }
 
@@ -82,10 +124,3 @@ fn sort8(keys: __m256i) -> __m256i {
 const BY1: i32 = 0b10_11_00_01;
 /// Exchanges neighbouring pairs.
 const BY2: i32 = 0b01_00_11_10;
-
-/// `enter` and `children`, eight each, in the order of [`descending`].
-#[inline]
-#[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-pub(super) fn in_order(order: __m256i, x: &[f32; 8]) -> __m256 {
-    _mm256_permutexvar_ps(order, load8(x))
-}

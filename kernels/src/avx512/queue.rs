@@ -109,46 +109,48 @@ impl Queues {
             self.nodes.append(used & !high, ids);
             self.leaves.append(used & high & !end, ids);
             self.done.append(used & end, ids);
-            let halves = [
-                (_mm512_castsi512_si256(next), high as u8, end as u8),
-                (
-                    _mm512_extracti32x8_epi32::<1>(next),
-                    (high >> 8) as u8,
-                    (end >> 8) as u8,
-                ),
-            ];
-            for (half, (next, leaf, end)) in halves.into_iter().enumerate() {
-                let mut addresses = [0; 8];
-                store8_u64(&mut addresses, locate(bvh, next, leaf, end));
-                for &address in addresses.iter().take(left.saturating_sub(8 * half)) {
-                    fetch(address as usize as *const u8);
-                }
+            // Lanes that are not used ask for the root: fewer instructions than leaving them out.
+            let none = end | !used;
+            let half = _mm512_castsi512_si256(next);
+            fetch_all(&locate(bvh, half, high as u8, none as u8));
+            if left > 8 {
+                let half = _mm512_extracti32x8_epi32::<1>(next);
+                let (high, none) = (high >> 8, none >> 8);
+                fetch_all(&locate(bvh, half, high as u8, none as u8));
             }
         }
     }
 }
 
-/// Where eight references' nodes or leaves lie; the root for those that are at their end.
+/// Where eight references' nodes or leaves lie; the root for those of `none`.
 #[inline]
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-fn locate(bvh: Bvh, next: __m256i, leaf: u8, end: u8) -> __m512i {
+fn locate(bvh: Bvh, next: __m256i, leaf: u8, none: u8) -> [u64; 8] {
     const { assert!(size_of::<Node>() == 1 << 8 && size_of::<Block>() == (1 << 7) + (1 << 5)) };
     let index = _mm256_and_si256(next, _mm256_set1_epi32(i32::MAX));
-    let index = _mm512_maskz_cvtepu32_epi64(!end, index);
+    let index = _mm512_maskz_cvtepu32_epi64(!none, index);
     let nodes = _mm512_set1_epi64(bvh.nodes.as_ptr().addr() as i64);
     let blocks = _mm512_set1_epi64(bvh.blocks.as_ptr().addr() as i64);
     let node = _mm512_add_epi64(nodes, _mm512_slli_epi64::<8>(index));
     let block = _mm512_add_epi64(_mm512_slli_epi64::<7>(index), _mm512_slli_epi64::<5>(index));
     let block = _mm512_add_epi64(blocks, block);
-    _mm512_mask_mov_epi64(node, leaf, block)
+    let mut addresses = [0; 8];
+    store8_u64(
+        &mut addresses,
+        _mm512_mask_mov_epi64(node, leaf & !none, block),
+    );
+    addresses
 }
 
-/// Asks for four cache lines from an address on, which may be any: all of a node, and all of a
+/// Asks for four cache lines from each address on, which may be any: all of a node, and all of a
 /// block wherever it starts.
 #[inline]
-fn fetch(address: *const u8) {
-    for line in 0..4 {
-        // SAFETY: a prefetch reads nothing as far as the program can tell; a bad address is ignored.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(address.wrapping_add(64 * line).cast()) };
+fn fetch_all(addresses: &[u64; 8]) {
+    for &address in addresses {
+        let address = address as usize as *const u8;
+        for line in 0..4 {
+            // SAFETY: a prefetch reads nothing as far as the program can tell; a bad address is ignored.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(address.wrapping_add(64 * line).cast()) };
+        }
     }
 }

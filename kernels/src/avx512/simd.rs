@@ -29,6 +29,19 @@ pub(super) fn load_part(column: &[f32], i: usize, end: usize) -> __m512 {
     unsafe { _mm512_maskz_loadu_ps(lanes_below(column.len()), column.as_ptr()) }
 }
 
+/// Writes the lanes `which` of a vector to numbers `i ..` of a column.
+///
+/// # Panics
+/// If the column ends before the last of them.
+#[inline]
+#[target_feature(enable = "avx512f")]
+pub(super) fn store_lanes(column: &mut [f32], i: usize, which: __mmask16, x: __m512) {
+    let lanes = 16 - which.leading_zeros() as usize;
+    let column = &mut column[i..i + lanes];
+    // SAFETY: of lanes that the mask leaves out nothing is written; the others are in the slice.
+    unsafe { _mm512_mask_storeu_ps(column.as_mut_ptr(), which, x) };
+}
+
 /// A mask of the first `n` of sixteen lanes.
 #[inline]
 #[target_feature(enable = "avx512f")]
@@ -42,6 +55,14 @@ pub(super) fn lanes_below(n: usize) -> __mmask16 {
 pub(super) fn load8(from: &[f32; 8]) -> __m256 {
     // SAFETY: as `load16`.
     unsafe { _mm256_loadu_ps(from.as_ptr()) }
+}
+
+/// Eight numbers, as bytes.
+#[inline]
+#[target_feature(enable = "avx512f")]
+pub(super) fn load8_bytes(from: &[u8; 32]) -> __m256 {
+    // SAFETY: as `load16`.
+    unsafe { _mm256_loadu_ps(from.as_ptr().cast()) }
 }
 
 /// Four integers.

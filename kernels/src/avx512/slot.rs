@@ -1,6 +1,6 @@
 //! A ray under way: 128 bytes and its stack.
 
-use super::node;
+use super::node::{self, Met};
 use super::simd::{load8, store8};
 use crate::bvh::{MAX_DEPTH, NOTHING, WIDTH};
 use crate::slabs::PAD;
@@ -11,8 +11,9 @@ use std::arch::x86_64::*;
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Ray {
-    pub(super) origin: [f32; 3],
-    /// Reciprocal direction.
+    /// By axis, what `node.rs` adds for planes met first.
+    pub(super) enter: [f32; 3],
+    /// Reciprocal direction, as `node.rs` takes it.
     pub(super) inverse: [f32; 3],
     /// The origin along the axes first, second, main.
     pub(super) permuted: [f32; 3],
@@ -20,7 +21,7 @@ pub(super) struct Ray {
     pub(super) slope: [f32; 2],
     /// 1 over the main component.
     pub(super) inverse_main: f32,
-    /// By axis, 1 where the upper plane of a box is met first.
+    /// By axis, where the planes met first lie behind the axis' first ones, in bytes.
     pub(super) near: [u8; 4],
     /// First, second, main.
     pub(super) axes: [u8; 4],
@@ -41,6 +42,8 @@ const STACK: usize = BELOW + (WIDTH - 1) * MAX_DEPTH + 2 * WIDTH;
 #[repr(C, align(64))]
 pub(super) struct Slot {
     pub(super) ray: Ray,
+    /// By axis, what `node.rs` adds for planes met last.
+    pub(super) leave: [f32; 3],
     /// Closest hit: [`key`] of the nearest so far. Occlusion: 1 if blocked, else 0.
     pub(super) best: u64,
     /// Weights of the nearest so far.
@@ -65,7 +68,7 @@ pub(super) fn key(t: f32, primitive: u32) -> u64 {
 impl Slot {
     pub(super) const NEW: Self = Self {
         ray: Ray {
-            origin: [0.0; 3],
+            enter: [0.0; 3],
             inverse: [0.0; 3],
             permuted: [0.0; 3],
             slope: [0.0; 2],
@@ -75,6 +78,7 @@ impl Slot {
             span: 0.0,
             leaves: 0,
         },
+        leave: [0.0; 3],
         best: 0,
         uv: [0.0; 2],
         id: 0,
@@ -87,8 +91,9 @@ impl Slot {
 
     /// Ray `i` of the view, at the root.
     #[inline]
-    pub(super) fn start(&mut self, i: usize, ray: Ray) {
+    pub(super) fn start(&mut self, i: usize, (ray, leave): (Ray, [f32; 3])) {
         self.ray = ray;
+        self.leave = leave;
         self.id = i as u32;
         self.next = 0;
         self.len = BELOW as u32;
@@ -110,40 +115,54 @@ impl Slot {
         self.uv = bytemuck::cast(std::hint::select_unpredictable(better, bits, old));
     }
 
-    /// Adds the children that are hit, farthest first.
+    /// Adds the children that are hit, farthest first, but for the nearest: that one is what is visited
+    /// next. If there is none, what is next must be asked for.
     #[inline]
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-    pub(super) fn push_in_order(&mut self, children: &[u32; 8], hits: u8, enter: &[f32; 8]) {
-        let order = node::descending(hits, load8(enter));
+    pub(super) fn push_in_order(&mut self, met: Met) -> u32 {
+        let keys = node::descending(met.hits, met.enter);
         let len = self.len as usize;
-        let child = node::in_order(order, bytemuck::cast_ref(children));
-        let enter = node::in_order(order, enter);
         if let Some(top) = self.child[len..].first_chunk_mut() {
-            store8(bytemuck::cast_mut::<[u32; 8], [f32; 8]>(top), child);
+            let child =
+                _mm256_castps_si256(_mm256_permutevar8x32_ps(met.children, node::lanes(keys)));
+            store8(
+                bytemuck::cast_mut::<[u32; 8], [f32; 8]>(top),
+                _mm256_castsi256_ps(child),
+            );
         }
         if let Some(top) = self.enter[len..].first_chunk_mut() {
-            store8(top, enter);
+            store8(top, _mm256_castsi256_ps(keys));
         }
-        self.len += hits.count_ones();
+        let hits = u32::from(met.hits).count_ones() as usize;
+        self.go_on(len + hits - usize::from(met.hits != 0))
     }
 
-    /// Adds the children that are hit, from the lowest slot up.
+    /// Adds the children that are hit, from the lowest lane up, and takes what is then on top.
     #[inline]
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-    pub(super) fn push(&mut self, children: &[u32; 8], hits: u8) {
-        let children = load8(bytemuck::cast_ref(children));
-        if let Some(top) = self.child[self.len as usize..].first_chunk_mut() {
-            let hit = _mm256_maskz_compress_ps(hits, children);
+    pub(super) fn push(&mut self, met: Met) -> u32 {
+        let len = self.len as usize;
+        if let Some(top) = self.child[len..].first_chunk_mut() {
+            let hit = _mm256_maskz_compress_ps(met.hits, met.children);
             store8(bytemuck::cast_mut::<[u32; 8], [f32; 8]>(top), hit);
         }
-        self.len += hits.count_ones();
+        self.go_on(len + u32::from(met.hits).count_ones() as usize - 1)
+    }
+
+    /// Makes entry `end` what is visited next, and the stack end before it.
+    #[inline]
+    fn go_on(&mut self, end: usize) -> u32 {
+        self.len = end as u32;
+        self.next = self.child[end.min(STACK - 1)];
+        self.next
     }
 
     /// Takes the next reference that is entered within the limit.
     #[inline]
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
     pub(super) fn pop_in_order(&mut self) -> u32 {
-        let limit = _mm256_set1_ps(self.t() * (1.0 + PAD));
+        // Twice the pad: entries are keys of `node::descending`, off by up to seven roundings.
+        let limit = _mm256_set1_ps(self.t() * (1.0 + 2.0 * PAD));
         let mut end = self.len as usize;
         // Eight at a time: how many a shrunken limit has made useless no branch can foresee.
         while let Some(top) = self.enter[..end].last_chunk() {

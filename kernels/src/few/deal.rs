@@ -50,6 +50,21 @@ impl Eight {
         }
     }
 
+    /// Ray `i` in every lane, one of them in use; `None` if it can meet nothing.
+    pub(super) fn of_one(origin: Columns, direction: Columns, i: usize) -> Option<Self> {
+        let (d, scale) = normalize_exponent(direction.map(|column| column[i]))?;
+        let main = crate::triangle::main_axis(d);
+        let axes = [(main + 1) % 3, (main + 2) % 3, main];
+        Some(Self::new(
+            Ux::splat(i as u32),
+            1,
+            axes,
+            axes.map(|a| Fx::splat(origin[a][i])),
+            axes.map(|a| Fx::splat(d[a])),
+            Scale::Single(scale),
+        ))
+    }
+
     /// Distances in callers' units, in the range of `f32`.
     #[inline(always)]
     pub(super) fn outward(&self, t: Fx) -> Fx {
@@ -223,20 +238,9 @@ fn odd_one<V: Visitor>(
     visitor: &mut V,
     sheared: &mut Sheared,
 ) {
-    let d = direction.map(|column| column[i]);
-    let Some((d, scale)) = normalize_exponent(d) else {
+    let Some(eight) = Eight::of_one(origin, direction, i) else {
         return;
     };
-    let main = crate::triangle::main_axis(d);
-    let axes = [(main + 1) % 3, (main + 2) % 3, main];
-    let eight = Eight::new(
-        Ux::splat(i as u32),
-        1,
-        axes,
-        axes.map(|a| Fx::splat(origin[a][i])),
-        axes.map(|a| Fx::splat(d[a])),
-        Scale::Single(scale),
-    );
     let words = words.map(|w| Ux::splat(w.to_array()[lane]));
     visitor.visit(&eight, words, sheared);
 }
