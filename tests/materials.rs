@@ -120,6 +120,24 @@ fn glass_and_the_principled_surface() {
 }
 
 #[test]
+fn compensation_is_on_unless_switched_off() {
+    for kind in [
+        "kind = \"conductor\"\nmetal = \"iron\"",
+        "kind = \"dielectric\"",
+        "kind = \"principled\"",
+    ] {
+        assert!(material(&format!("[materials.m]\n{kind}\n")).compensation);
+        let off = format!("[materials.m]\n{kind}\ncompensation = false\n");
+        assert!(!material(&off).compensation);
+    }
+    assert_eq!(
+        error("[materials.m]\ncompensation = false\n"),
+        "s.toml:2:16: materials.m.compensation: `compensation` is for materials of kind \
+         `conductor`, `dielectric`, `principled`, this one is `diffuse`"
+    );
+}
+
+#[test]
 fn mixtures_name_their_parts() {
     let scene = scene(
         "[materials.a]\nalbedo = 0\n[materials.m]\nkind = \"mix\"\nmaterials = [\"z\", \"a\"]\n\

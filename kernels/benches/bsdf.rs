@@ -122,6 +122,7 @@ fn main() {
         surface,
         alpha,
         energy: TransmissionEnergy::table(),
+        compensated: one.simd_eq(one),
     };
     measure("rough dielectric", &frosted, &inputs);
     let plain = Principled {
@@ -137,6 +138,7 @@ fn main() {
         coat_alpha: alpha,
         sheen: Vec3x::splat([0.0; 3]),
         sheen_roughness: Fx::splat(0.5),
+        compensated: one.simd_eq(one),
     };
     measure("principled", &plain, &inputs);
     let coated = Principled { coat: one, ..plain };

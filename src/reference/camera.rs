@@ -1,6 +1,8 @@
 //! Camera rays of the reference.
 
-use super::{Ray, uniform, vector};
+use super::random::uniform;
+use super::vector;
+use super::world::Ray;
 use crate::scene::{Lens, Projection, Scene};
 use glam::DVec3;
 use rand_pcg::rand_core::Rng;

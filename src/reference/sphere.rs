@@ -1,6 +1,7 @@
 //! The oracle's spheres and copies, in the formulas of school.
 
-use super::{Ray, Triangle, Worn, vector};
+use super::vector;
+use super::world::{Ray, Triangle};
 use crate::scene::{self, Scene};
 use glam::DVec3;
 
@@ -9,15 +10,15 @@ use glam::DVec3;
 pub(super) struct Sphere {
     pub(super) centre: DVec3,
     radius: f64,
-    pub(super) worn: Worn,
+    pub(super) material: u32,
 }
 
 impl Sphere {
-    pub(super) fn new(sphere: &scene::Sphere, scene: &Scene) -> Self {
+    pub(super) fn new(sphere: &scene::Sphere) -> Self {
         Self {
             centre: vector(sphere.centre),
             radius: sphere.radius.into(),
-            worn: Worn::new(scene, sphere.material),
+            material: sphere.material,
         }
     }
 
@@ -47,11 +48,7 @@ pub(super) fn copies(scene: &Scene) -> impl Iterator<Item = Triangle> + '_ {
         (0..mesh.triangles()).map(move |i| {
             let [a, b, c] = mesh.corners(i).map(|p| map.transform_point3(vector(p)));
             let corners = if mirrors { [a, c, b] } else { [a, b, c] };
-            Triangle::new(
-                corners,
-                scene,
-                instance.material.unwrap_or(mesh.material[i]),
-            )
+            Triangle::new(corners, instance.material.unwrap_or(mesh.material[i]))
         })
     })
 }

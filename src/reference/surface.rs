@@ -22,9 +22,15 @@ pub(super) struct Point {
 
 impl Point {
     /// The point of triangle `i`, whose front has unit normal `flat`, with these barycentric weights of
-    /// the second and third corner.
+    /// the second and third corner, as `material` shows it.
     #[inline(never)] // keeps what the recursion puts on the stack small
-    pub(super) fn new(scene: &Scene, i: usize, [u, v]: [f64; 2], flat: DVec3) -> Self {
+    pub(super) fn new(
+        scene: &Scene,
+        i: usize,
+        [u, v]: [f64; 2],
+        flat: DVec3,
+        material: &Material,
+    ) -> Self {
         let mesh = &scene.mesh;
         let corners = mesh.indices[i].map(|v| v as usize);
         let weights = [1.0 - u - v, u, v];
@@ -38,7 +44,6 @@ impl Point {
         }
         let uvs = all(corners, |v| uv_of(mesh, v));
         let uv = uv_at(mesh, i, [u, v]);
-        let material = &scene.materials[mesh.material[i] as usize];
         let mut point = Self {
             uv,
             normal,
@@ -130,6 +135,30 @@ impl Point {
     }
 }
 
+/// An orthonormal frame.
+pub(super) struct Frame {
+    x: DVec3,
+    y: DVec3,
+    z: DVec3,
+}
+
+impl Frame {
+    /// The frame about a unit normal in which brushed metals lie: that of T. Duff et al., "Building an
+    /// Orthonormal Basis, Revisited", JCGT 6(1), 2017.
+    pub(super) fn about(z: DVec3) -> Self {
+        let (x, y) = z.any_orthonormal_pair();
+        Self { x, y, z }
+    }
+
+    pub(super) fn local(&self, world: DVec3) -> DVec3 {
+        DVec3::new(self.x.dot(world), self.y.dot(world), self.z.dot(world))
+    }
+
+    pub(super) fn world(&self, local: DVec3) -> DVec3 {
+        self.x * local.x + self.y * local.y + self.z * local.z
+    }
+}
+
 /// How much of a triangle's material is there, at these barycentric weights: 0 or 1 of a mask.
 pub(super) fn presence(scene: &Scene, i: usize, weights: [f64; 2]) -> f64 {
     let material = &scene.materials[scene.mesh.material[i] as usize];
@@ -144,7 +173,7 @@ pub(super) fn presence(scene: &Scene, i: usize, weights: [f64; 2]) -> f64 {
 }
 
 /// Texture coordinates; 0 where there are none.
-fn uv_at(mesh: &Mesh, i: usize, [u, v]: [f64; 2]) -> DVec2 {
+pub(super) fn uv_at(mesh: &Mesh, i: usize, [u, v]: [f64; 2]) -> DVec2 {
     let corners = mesh.indices[i].map(|v| v as usize);
     let uvs = all(corners, |v| uv_of(mesh, v));
     uvs.map_or(DVec2::ZERO, |[a, b, c]| a * (1.0 - u - v) + b * u + c * v)
@@ -157,7 +186,7 @@ pub(super) fn colour(scene: &Scene, value: &Textured<[f32; 3]>, uv: DVec2) -> DV
 }
 
 /// A number at (u, v).
-fn number(scene: &Scene, value: &Textured<f32>, uv: DVec2) -> f64 {
+pub(super) fn number(scene: &Scene, value: &Textured<f32>, uv: DVec2) -> f64 {
     let texel = value.texture.map(|read| texture(scene, &read, uv).x);
     f64::from(value.factor) * texel.unwrap_or(1.0)
 }

@@ -55,6 +55,9 @@ pub struct Material {
     pub alpha: Option<Alpha>,
     /// What bends its shading normal.
     pub normal_map: Option<NormalMap>,
+    /// Whether its facets make up for the light that they lose by scattering it once only: of metals,
+    /// rough glass and the principled surface.
+    pub compensation: bool,
 }
 
 /// How much of a surface is there.
@@ -232,6 +235,7 @@ impl Material {
             two_sided: false,
             alpha: None,
             normal_map: None,
+            compensation: true,
         }
     }
 

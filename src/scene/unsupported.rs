@@ -38,16 +38,29 @@ impl Scene {
         ))
     }
 
-    /// Why the reference tracer would give another image than the wave, if so: it knows Lambertian
-    /// surfaces alone.
+    /// Why the reference tracer would give another image than the wave, if so.
     #[must_use]
     pub fn beyond_reference(&self) -> Option<String> {
-        let matt = |m: &Material| matches!(m.bsdf, Bsdf::Diffuse { roughness: 0.0, .. });
         let mut all = self.materials.iter().zip(self.worn());
-        let (Material { name, .. }, _) = all.find(|(m, worn)| *worn && !matt(m))?;
-        Some(format!(
-            "material `{name}` is not Lambertian, and the reference tracer knows no other surfaces"
-        ))
+        all.find_map(|(m, worn)| {
+            let what = unknown(m).filter(|_| worn)?;
+            let name = &m.name;
+            Some(format!(
+                "material `{name}` has {what}, which the reference tracer does not know"
+            ))
+        })
+    }
+}
+
+/// What a material has that the reference tracer does not know.
+fn unknown(material: &Material) -> Option<&'static str> {
+    match &material.bsdf {
+        Bsdf::Dielectric(glass) if glass.abbe.is_some() => Some("an Abbe number"),
+        Bsdf::Dielectric(glass) if glass.interior.is_some() => Some("a medium inside"),
+        Bsdf::Conductor { roughness, .. } if roughness.texture.is_some() => material
+            .compensation
+            .then_some("a metal's textured roughness, with compensation"),
+        _ => None,
     }
 }
 

@@ -43,11 +43,24 @@ impl Parameters {
                 all.colour(tint);
                 all.number(roughness);
                 all.plain(&[*anisotropy]);
-                let mean = |c: usize| conductor_mean(f64::from(eta[c]), f64::from(k[c])) as f32;
+                // Light that has met two facets or more is in proportion to it: at 0 there is none.
+                let mean = |c: usize| {
+                    if material.compensation {
+                        conductor_mean(f64::from(eta[c]), f64::from(k[c])) as f32
+                    } else {
+                        0.0
+                    }
+                };
                 all.plain(&[mean(0), mean(1), mean(2)]);
             }
-            Bsdf::Dielectric(glass) => all.dielectric(glass),
-            Bsdf::Principled(p) => all.principled(p),
+            Bsdf::Dielectric(glass) => {
+                all.dielectric(glass);
+                all.plain(&[flag(material.compensation)]);
+            }
+            Bsdf::Principled(p) => {
+                all.principled(p);
+                all.plain(&[flag(material.compensation)]);
+            }
             Bsdf::Mix { .. } => {}
         }
         all

@@ -1,7 +1,7 @@
 //! Scenes with known answers, built in code so that no test here depends on a scene file.
 
 use huygens::scene::{
-    Camera, Extent, FilmSpec, Filter, Instance, Lens, Material, Mesh, Object, Placement,
+    Bsdf, Camera, Extent, FilmSpec, Filter, Instance, Lens, Material, Mesh, Object, Placement,
     Projection, Scene, Sphere,
 };
 use huygens::settings::Settings;
@@ -34,9 +34,21 @@ impl Builder {
         self.materials.len() as u32 - 1
     }
 
+    /// A surface that emits nothing; its index.
+    pub(crate) fn surface(&mut self, bsdf: Bsdf) -> u32 {
+        let plain = self.material([0.0; 3], [0.0; 3]);
+        self.materials[plain as usize].bsdf = bsdf;
+        plain
+    }
+
+    /// The material made last.
+    pub(crate) fn last(&mut self) -> &mut Material {
+        self.materials.last_mut().expect("a material")
+    }
+
     /// Lets the material made last emit from both sides.
     pub(crate) fn two_sided(&mut self) {
-        self.materials.last_mut().expect("a material").two_sided = true;
+        self.last().two_sided = true;
     }
 
     /// Two triangles; the front is where the corners run counter-clockwise.

@@ -29,7 +29,12 @@ pub(crate) fn threshold(significance: f64, tests: usize) -> f64 {
 /// Distance of two means in standard errors, after what rounding may account for; infinite where
 /// any of the numbers is not one.
 pub(crate) fn z_score(a: f64, b: f64, variance: f64) -> f64 {
-    let beyond = (a - b).abs() - ROUNDING * a.abs().max(b.abs());
+    z_score_beyond(ROUNDING, a, b, variance)
+}
+
+/// The same after a relative difference that is allowed.
+fn z_score_beyond(allowed: f64, a: f64, b: f64, variance: f64) -> f64 {
+    let beyond = (a - b).abs() - allowed * a.abs().max(b.abs());
     if !(beyond.is_finite() && variance.is_finite()) {
         f64::INFINITY
     } else if beyond <= 0.0 {
@@ -52,9 +57,10 @@ fn without_skewness(z: f64, skewness: f64) -> f64 {
 }
 
 /// Signed distance of pixel `i`'s channel `c` in the two pictures, as a normal variable.
-fn pixel_score(a: &Picture, b: &Picture, i: usize, c: usize) -> f64 {
+fn pixel_score(allowed: f64, a: &Picture, b: &Picture, i: usize, c: usize) -> f64 {
     let [va, vb] = [a.variance[i][c], b.variance[i][c]];
-    let z = z_score(a.mean[i][c], b.mean[i][c], va + vb).copysign(a.mean[i][c] - b.mean[i][c]);
+    let z = z_score_beyond(allowed, a.mean[i][c], b.mean[i][c], va + vb)
+        .copysign(a.mean[i][c] - b.mean[i][c]);
     // Third cumulants add up, the second picture's with its sign changed.
     let third = a.skewness[i][c] * va.powf(1.5) - b.skewness[i][c] * vb.powf(1.5);
     if third == 0.0 {
@@ -66,6 +72,16 @@ fn pixel_score(a: &Picture, b: &Picture, i: usize, c: usize) -> f64 {
 
 /// Fails with a description if the pictures' expectations differ.
 pub(crate) fn same(a: &Picture, b: &Picture, significance: f64) -> Result<(), String> {
+    same_but_for(ROUNDING, a, b, significance)
+}
+
+/// Fails with a description if the pictures' expectations differ by more than a part `allowed` of them.
+pub(crate) fn same_but_for(
+    allowed: f64,
+    a: &Picture,
+    b: &Picture,
+    significance: f64,
+) -> Result<(), String> {
     assert_eq!(
         (a.width, a.height),
         (b.width, b.height),
@@ -75,7 +91,7 @@ pub(crate) fn same(a: &Picture, b: &Picture, significance: f64) -> Result<(), St
     let limit = threshold(0.5 * significance, 3 * pixels);
     for i in 0..pixels {
         for c in 0..3 {
-            let z = pixel_score(a, b, i, c);
+            let z = pixel_score(allowed, a, b, i, c);
             if z.is_nan() || z.abs() > limit {
                 let (x, y) = (i % a.width, i / a.width);
                 return Err(format!(
@@ -89,7 +105,7 @@ pub(crate) fn same(a: &Picture, b: &Picture, significance: f64) -> Result<(), St
     let limit = threshold(0.5 * significance, 3);
     for c in 0..3 {
         let (a, b) = (a.overall(c), b.overall(c));
-        let z = z_score(a.value, b.value, a.variance + b.variance);
+        let z = z_score_beyond(allowed, a.value, b.value, a.variance + b.variance);
         if z > limit {
             return Err(format!(
                 "mean of channel {c}: {} and {} are {z:.2} standard errors apart, the limit is \

@@ -63,6 +63,8 @@ pub struct RoughDielectric<'a> {
     pub alpha: Fx,
     /// What single scattering keeps.
     pub energy: &'a TransmissionEnergy,
+    /// Where the rest is made up for.
+    pub compensated: Mask,
 }
 
 impl SmoothDielectric {
@@ -138,7 +140,8 @@ impl RoughDielectric<'_> {
     fn kept(&self, o: Vec3x) -> Fx {
         let one_way = Fx::ONE - self.energy.reflection.lost(o.z, self.alpha);
         let boundary = self.energy.albedo(o.z, self.alpha, self.surface.eta);
-        (self.surface.thin | self.matched()).select(one_way, boundary)
+        let kept = (self.surface.thin | self.matched()).select(one_way, boundary);
+        self.compensated.select(kept, Fx::ONE)
     }
 
     /// Fresnel's equations for a facet of normal `m`.

@@ -67,6 +67,8 @@ pub struct Principled {
     pub sheen: Vec3x,
     /// Its roughness.
     pub sheen_roughness: Fx,
+    /// Where metal and glass make up for what single scattering loses.
+    pub compensated: Mask,
 }
 
 /// `f0` of the clearcoat.
@@ -110,6 +112,7 @@ impl Principled {
             },
             alpha: self.alpha,
             energy: TransmissionEnergy::table(),
+            compensated: self.compensated,
         }
     }
 
@@ -138,7 +141,8 @@ impl Principled {
         let steep = schlick.albedo(o.z, self.alpha).fast_min(kept);
         let dielectric = under * (one - self.metallic);
         let opaque = dielectric * (one - self.transmission);
-        let boost = self.base.scale_add(lost / kept, white) * (under * self.metallic);
+        let again = self.compensated & (lost / kept);
+        let boost = self.base.scale_add(again, white) * (under * self.metallic);
         let metal = boost.product(self.base);
         let amplitude = (self.eta - one) / (self.eta + one);
         let normal = self.specular_color * (amplitude * amplitude);

@@ -5,10 +5,11 @@
 //! | [`Diffuse`] | 0-2 reflectance |
 //! | [`RoughDiffuse`] | 0-2 reflectance, 3 roughness |
 //! | [`SmoothConductor`], [`RoughConductor`] | 0-2 eta, 3-5 k, 6-8 tint, 9 roughness, 10 anisotropy, 11-13 mean reflectance |
-//! | [`SmoothDielectric`], [`RoughDielectric`] | 0 index of refraction, 1 thin, 2-4 tint of reflection, 5-7 of transmission, 8 roughness |
-//! | [`Principled`] | 0-2 base colour, 3 metallic, 4 roughness, 5 index of refraction, 6 specular, 7-9 its colour, 10 transmission, 11 thin, 12 coat, 13 its roughness, 14-16 sheen, 17 its roughness |
+//! | [`SmoothDielectric`], [`RoughDielectric`] | 0 index of refraction, 1 thin, 2-4 tint of reflection, 5-7 of transmission, 8 roughness, 9 compensated |
+//! | [`Principled`] | 0-2 base colour, 3 metallic, 4 roughness, 5 index of refraction, 6 specular, 7-9 its colour, 10 transmission, 11 thin, 12 coat, 13 its roughness, 14-16 sheen, 17 its roughness, 18 compensated |
 //!
-//! A roughness is perceptual, as in glTF: the distribution's width alpha is its square, and at least
+//! Compensated surfaces make up for what single scattering loses; a metal does not where its mean
+//! reflectance is 0. A roughness is perceptual, as in glTF: the distribution's width alpha is its square, and at least
 //! [`ALPHA_FLOOR`] where a kernel is for rough surfaces.
 
 use super::respond::Kind;
@@ -181,6 +182,7 @@ impl Kind for RoughDielectric {
             surface: glass(parameters, front),
             alpha: alpha(parameters.number(8)),
             energy: TransmissionEnergy::table(),
+            compensated: flag(parameters.number(9)),
         }
     }
 }
@@ -216,6 +218,7 @@ impl<const GLASS: bool> Kind for Principled<GLASS> {
             coat_alpha: alpha(parameters.number(13)),
             sheen: parameters.colour(14),
             sheen_roughness: parameters.number(17).fast_max(floor),
+            compensated: flag(parameters.number(18)),
         }
     }
 }

@@ -37,6 +37,7 @@ fn rough(eta: f32, alpha: f32, thin: bool) -> RoughDielectric<'static> {
         surface: smooth(eta, thin),
         alpha: Fx::splat(alpha),
         energy: TransmissionEnergy::table(),
+        compensated: mask(true),
     }
 }
 
@@ -372,6 +373,43 @@ fn tints_and_walls() {
             // Roundings of R over R and over 1 - R, which at grazing is some hundredths.
             let bound = 64.0 * ROUNDING / r.min(1.0 - r);
             assert_close("thin", f64::from(passed[c]), expected, bound);
+        }
+    }
+}
+
+/// What compensation multiplies is a function of `o` alone: without it, every value and weight is the
+/// one of single scattering.
+#[test]
+fn without_compensation_facets_scatter_once() {
+    let mut source = Source(57);
+    for (eta, thin) in [(1.5, false), (1.0 / 1.5, false), (1.5, true)] {
+        for alpha in [0.05, 0.3, 1.0] {
+            let whole = rough(eta, alpha, thin);
+            let once = RoughDielectric {
+                compensated: mask(false),
+                ..whole
+            };
+            for _ in 0..200 {
+                let mut o = source.direction();
+                o[2] = o[2].abs().max(0.01);
+                let (o, u) = (
+                    Vec3x::splat(o),
+                    std::array::from_fn(|_| source.unit_lanes()),
+                );
+                let albedo = if thin {
+                    Fx::ONE - whole.energy.reflection.lost(o.z, whole.alpha)
+                } else {
+                    whole.energy.albedo(o.z, whole.alpha, whole.surface.eta)
+                };
+                let (a, b) = (whole.sample(o, u), once.sample(o, u));
+                assert_eq!(a.direction.lane(0), b.direction.lane(0));
+                assert_eq!(a.pdf, b.pdf);
+                let name = format!("{eta} {alpha} {thin}");
+                let scaled = |x: Vec3x| lane(x.x * albedo);
+                assert_close(&name, lane(b.weight.x), scaled(a.weight), 4.0 * ROUNDING);
+                let [a, b] = [&whole, &once].map(|glass| glass.evaluate(o, a.direction));
+                assert_close(&name, lane(b.value.x), scaled(a.value), 4.0 * ROUNDING);
+            }
         }
     }
 }

@@ -21,7 +21,7 @@ fn assert_no_panic<B: Bsdf>(make: impl Fn(&Columns) -> B) {
         -1.0,
         f32::MIN_POSITIVE,
     ] {
-        let bsdf = make(&Columns([[value; LANES]; 16]));
+        let bsdf = make(&Columns([[value; LANES]; 17]));
         for direction in [[0.6, 0.0, 0.8], [value; 3]] {
             let w = Vec3x::splat(direction);
             let up = Vec3x::splat([0.0, 0.6, 0.8]);
@@ -35,7 +35,7 @@ fn assert_no_panic<B: Bsdf>(make: impl Fn(&Columns) -> B) {
 }
 
 /// Columns of parameters for `LANES` surfaces, each drawn for itself.
-struct Columns([[f32; LANES]; 16]);
+struct Columns([[f32; LANES]; 17]);
 
 impl Columns {
     /// Half of the parameters of a surface are at the ends of their domain.
@@ -154,6 +154,7 @@ fn dielectrics() {
         surface: c.glass(),
         alpha: c.width(8),
         energy: TransmissionEnergy::table(),
+        compensated: c.yes(9),
     });
 }
 
@@ -172,5 +173,6 @@ fn principled() {
         coat_alpha: c.width(13),
         sheen: Vec3x::new(c.at(14), c.at(14), Fx::ZERO),
         sheen_roughness: c.at(15).fast_max(Fx::splat(ROUGHNESS_FLOOR)),
+        compensated: c.yes(16),
     });
 }

@@ -2,8 +2,8 @@
 
 use crate::common::{Source, Suite};
 use crate::harness::{
-    COSINES, Map, ROUNDING, chi_square, consistent, corners, direction, dot, furnace, rounded,
-    splat,
+    COSINES, Map, ROUNDING, assert_close, chi_square, consistent, corners, direction, dot, furnace,
+    rounded, splat,
 };
 use crate::twin;
 use huygens_kernels::bsdf::charlie::ROUGHNESS_FLOOR;
@@ -71,6 +71,7 @@ impl Material {
             coat_alpha: Fx::splat(self.coat_alpha),
             sheen: Vec3x::splat(self.sheen),
             sheen_roughness: Fx::splat(self.sheen_roughness),
+            compensated: mask(true),
         }
     }
 }
@@ -363,6 +364,7 @@ fn twin(m: &Material, o: [f64; 3], i: [f64; 3], c: usize) -> f64 {
         },
         alpha,
         energy: TransmissionEnergy::table(),
+        compensated: mask(true),
     };
     let glass = f64::from(glass.evaluate(splat(o), splat(i)).value.lane(0)[c]);
     let dielectric = transmission * glass + (1.0 - transmission) * opaque;
@@ -419,5 +421,37 @@ fn no_weight_is_above_ten() {
             }
         }
         assert!(most <= 10.0, "{name}: {most}");
+    }
+}
+
+/// White metal reflects everything at each facet: without compensation its value is that of the facets
+/// alone.
+#[test]
+fn without_compensation_metal_reflects_once() {
+    let mut source = Source(77);
+    for alpha in [0.05, 0.3, 1.0] {
+        let metal = Principled {
+            compensated: mask(false),
+            ..Material {
+                metallic: 1.0,
+                alpha,
+                ..PLAIN
+            }
+            .lanes()
+        };
+        for _ in 0..200 {
+            let up = |mut w: [f32; 3]| {
+                w[2] = w[2].abs().max(0.05);
+                rounded(w.map(f64::from))
+            };
+            let (o, i) = (up(source.direction()), up(source.direction()));
+            let value = metal.evaluate(splat(o), splat(i)).value.x;
+            let expected = twin::reflection(o, i, [f64::from(alpha); 2]).0;
+            // Half a rounding of directions moves the half vector by that over its length, and the
+            // density of facets by up to twice that over their width.
+            let h = twin::sum(o, i);
+            let bound = (64.0 + 4.0 / (f64::from(alpha) * dot(h, h).sqrt())) * ROUNDING;
+            assert_close("metal", lane(value), expected, bound);
+        }
     }
 }

@@ -116,6 +116,7 @@ impl Compiler<'_, '_> {
             two_sided: m.two_sided,
             alpha: self.alpha(m)?,
             normal_map: self.relief(m)?,
+            compensation: m.compensation.as_ref().is_none_or(|x| *x.get_ref()),
         })
     }
 
@@ -310,6 +311,7 @@ fn nothing_needless(file: &SceneFile, m: &said::Material, kind: Kind) -> Result<
         clearcoat_roughness: [Principled],
         sheen_color: [Principled],
         sheen_roughness: [Principled],
+        compensation: [Conductor, Dielectric, Principled],
         materials: [Mix],
         amount: [Mix],
     };

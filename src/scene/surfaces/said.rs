@@ -42,6 +42,7 @@ pub(in crate::scene) struct Material {
     pub(super) clearcoat_roughness: Option<Spanned<Value<Finite>>>,
     pub(super) sheen_color: Option<Spanned<Value<OneOrThree<Unit>>>>,
     pub(super) sheen_roughness: Option<Spanned<Value<Finite>>>,
+    pub(super) compensation: Option<Spanned<bool>>,
     pub(super) materials: Option<Spanned<[Spanned<String>; 2]>>,
     pub(super) amount: Option<Spanned<Value<Unit>>>,
 }

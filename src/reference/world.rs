@@ -1,0 +1,168 @@
+//! What the reference's rays meet: triangles and spheres, all of which every ray is tested against.
+
+use super::random::uniform;
+use super::sphere::{Sphere, copies};
+use super::surface::{number, presence, uv_at};
+use super::vector;
+use crate::scene::{Scene, Textured};
+use glam::DVec3;
+use rand_pcg::rand_core::Rng;
+
+/// The surfaces of a scene.
+#[derive(Debug)]
+pub(super) struct World<'a> {
+    pub(super) scene: &'a Scene,
+    triangles: Vec<Triangle>,
+    /// Numbered after the triangles.
+    spheres: Vec<Sphere>,
+    nearest: f64,
+}
+
+#[derive(Debug)]
+pub(super) struct Triangle {
+    corner: DVec3,
+    edges: [DVec3; 2],
+    normal: DVec3,
+    material: u32,
+}
+
+pub(super) struct Ray {
+    pub(super) origin: DVec3,
+    pub(super) direction: DVec3,
+    pub(super) leaves: Option<usize>,
+}
+
+pub(super) struct Hit {
+    /// A triangle, or behind the triangles a sphere.
+    pub(super) surface: usize,
+    pub(super) t: f64,
+    /// Barycentric weights of the second and third corner.
+    pub(super) weights: [f64; 2],
+}
+
+impl<'a> World<'a> {
+    pub(super) fn new(scene: &'a Scene) -> Self {
+        let mesh = &scene.mesh;
+        let triangles = (0..mesh.triangles())
+            .map(|i| Triangle::new(mesh.corners(i).map(vector), mesh.material[i]))
+            .chain(copies(scene));
+        let spheres = scene.spheres.iter().map(Sphere::new);
+        let bounds = scene.bounds().unwrap_or_default();
+        let [low, high] = bounds.map(|corner| corner.abs().max_element());
+        Self {
+            scene,
+            triangles: triangles.collect(),
+            spheres: spheres.collect(),
+            // A hit point is off its plane by a few roundings of the largest coordinate: 2^-48 of
+            // that covers them sixteenfold, and lies as far below what f32 vertices resolve as
+            // those lie below 1.
+            nearest: low.max(high) * (-48f64).exp2(),
+        }
+    }
+
+    /// The closest hit over all surfaces.
+    ///
+    /// A ray that leaves a surface meets neither the triangle that it leaves nor anything nearer
+    /// than the rounding of its origin; a sphere that it leaves only at its far side.
+    #[inline(never)] // keeps what the recursion puts on the stack small
+    pub(super) fn closest(&self, rng: &mut impl Rng, ray: &Ray) -> Option<Hit> {
+        let nearest = if ray.leaves.is_some() {
+            self.nearest
+        } else {
+            0.0
+        };
+        let mut closest: Option<Hit> = None;
+        for (i, triangle) in self.triangles.iter().enumerate() {
+            let farthest = closest.as_ref().map_or(f64::INFINITY, |hit| hit.t);
+            if let Some((t, weights)) = triangle.intersect(ray)
+                && nearest < t
+                && t < farthest
+                && ray.leaves != Some(i)
+                && self.is_there(rng, i, weights)
+            {
+                closest = Some(Hit {
+                    surface: i,
+                    t,
+                    weights,
+                });
+            }
+        }
+        for (i, sphere) in self.spheres.iter().enumerate() {
+            let surface = self.triangles.len() + i;
+            let farthest = closest.as_ref().map_or(f64::INFINITY, |hit| hit.t);
+            let leaves = ray.leaves == Some(surface);
+            if let Some(t) = sphere.intersect(ray, leaves, nearest)
+                && t < farthest
+            {
+                closest = Some(Hit {
+                    surface,
+                    t,
+                    weights: [0.0; 2],
+                });
+            }
+        }
+        closest
+    }
+
+    /// Whether a triangle is there for a ray, at these weights: of partial opacity, by chance.
+    fn is_there(&self, rng: &mut impl Rng, i: usize, weights: [f64; 2]) -> bool {
+        // Copies are wholly there.
+        let own = i < self.scene.mesh.triangles();
+        let presence = if own {
+            presence(self.scene, i, weights)
+        } else {
+            1.0
+        };
+        presence >= 1.0 || (presence > 0.0 && uniform(rng) < presence)
+    }
+
+    /// A number at a hit: by its image, on triangles that have coordinates.
+    pub(super) fn number(&self, hit: &Hit, value: &Textured<f32>) -> f64 {
+        if hit.surface < self.scene.mesh.triangles() {
+            number(
+                self.scene,
+                value,
+                uv_at(&self.scene.mesh, hit.surface, hit.weights),
+            )
+        } else {
+            value.factor.into()
+        }
+    }
+
+    /// The unit normal of a surface's front at a point of it, and the material that it wears.
+    pub(super) fn surface(&self, surface: usize, point: DVec3) -> (DVec3, u32) {
+        match self.triangles.get(surface) {
+            Some(triangle) => (triangle.normal, triangle.material),
+            None => {
+                let sphere = &self.spheres[surface - self.triangles.len()];
+                ((point - sphere.centre).normalize(), sphere.material)
+            }
+        }
+    }
+}
+
+impl Triangle {
+    pub(super) fn new([a, b, c]: [DVec3; 3], material: u32) -> Self {
+        Self {
+            corner: a,
+            edges: [b - a, c - a],
+            normal: (b - a).cross(c - a).normalize(),
+            material,
+        }
+    }
+
+    /// Ray parameter and weights of the plane's hit if it lies in the triangle, edges included (T. Moeller,
+    /// B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997).
+    fn intersect(&self, ray: &Ray) -> Option<(f64, [f64; 2])> {
+        let [e1, e2] = self.edges;
+        let p = ray.direction.cross(e2);
+        let s = ray.origin - self.corner;
+        let q = s.cross(e1);
+        let determinant = e1.dot(p);
+        let u = s.dot(p) / determinant;
+        let v = ray.direction.dot(q) / determinant;
+        let t = e2.dot(q) / determinant;
+        // A ray in the plane gives 0 / 0 or infinities, and no comparison with those holds.
+        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t < f64::INFINITY).then_some((t, [u, v]))
+    }
+}
