@@ -7,7 +7,7 @@ mod shader;
 
 pub use shader::Shader;
 
-use crate::scene::{Light, Material, Projection, Scene, Sky};
+use crate::scene::{Light, Material, Mesh, Projection, Scene, Sky};
 use crate::settings::{Integrator, LightSelection, Settings, Strategy};
 use serde::Serialize;
 
@@ -249,14 +249,25 @@ fn mixed(scene: &Scene, worn: &[bool]) -> Vec<bool> {
 
 /// By material: whether a surface that wears it has interpolated normals.
 fn smooth(scene: &Scene) -> Vec<bool> {
-    let mesh = &scene.mesh;
     let mut smooth = vec![false; scene.materials.len()];
+    mark_smooth(&scene.mesh, None, &mut smooth);
+    let mut known = std::collections::HashSet::new();
+    for instance in &scene.instances {
+        if known.insert((instance.object, instance.material)) {
+            let mesh = &scene.objects[instance.object as usize].mesh;
+            mark_smooth(mesh, instance.material, &mut smooth);
+        }
+    }
+    smooth
+}
+
+/// Marks the materials of a mesh's smooth triangles, or the one that all of it wears.
+fn mark_smooth(mesh: &Mesh, worn: Option<u32>, smooth: &mut [bool]) {
     for (triangle, &m) in mesh.indices.iter().zip(&mesh.material) {
         let has = |&v: &u32| {
             let normal = mesh.normals.get(v as usize);
-            normal.is_some_and(|&n| n != crate::scene::Mesh::NO_NORMAL)
+            normal.is_some_and(|&n| n != Mesh::NO_NORMAL)
         };
-        smooth[m as usize] |= triangle.iter().all(has);
+        smooth[worn.unwrap_or(m) as usize] |= triangle.iter().all(has);
     }
-    smooth
 }

@@ -20,6 +20,7 @@
 
 mod bsdf;
 mod camera;
+mod carried;
 mod lights;
 mod path;
 mod random;

@@ -170,7 +170,8 @@ fn through_a_lens() {
     assert_identical(&scene, &settings(Strategy::Mis, Integrator::Direct));
 }
 
-/// Images of several kinds, a normal map, a mask and partial opacity, and branches on top of it.
+/// Images of several kinds, a normal map, a mask and partial opacity, on a sphere and a copy too, and
+/// branches on top of it.
 #[test]
 fn with_images_and_opacity() {
     let folder = Folder::new();
@@ -195,9 +196,13 @@ fn with_images_and_opacity() {
          [materials.floor]\nkind = \"principled\"\nbase_color = {{ file = \"i.png\", scale = 9 }}\n\
          roughness = {{ file = \"i.png\" }}\nnormal_map = {{ file = \"i.png\" }}\n\
          [materials.mask]\nalbedo = {{ file = \"i.png\" }}\nalpha = {{ file = \"i.png\" }}\nalpha_cutoff = 0.5\n\
-         [materials.veil]\nalpha = 0.4\n[materials.lamp]\nalbedo = 0\nemission = 6\n\
+         [materials.veil]\nalpha = 0.4\n[materials.lamp]\nalbedo = 0\nemission = {{ file = \"i.png\", factor = 9 }}\n\
          [[shapes]]\nmaterial = \"floor\"\n\
          rectangle = {{ corner = [-2, 0, 2], edges = [[4, 0, 0], [0, 0, -4]] }}\n\
+         [[shapes]]\nmaterial = \"floor\"\nsphere = {{ center = [-0.5, 0.3, 0.6], radius = 0.3 }}\n\
+         [[objects.leaf.shapes]]\nmaterial = \"mask\"\n\
+         rectangle = {{ corner = [0, 0, 0], edges = [[0.5, 0, 0], [0, 0.5, 0]] }}\n\
+         [[instances]]\nobject = \"leaf\"\ntransform = [{{ translate = [0.4, 0, 0.7] }}]\n\
          [[shapes]]\nmaterial = \"lamp\"\n\
          rectangle = {{ corner = [0.3, 1.6, 0.4], edges = [[0, 0, -0.5], [0.5, 0, 0]] }}\n{}{}",
         sheet(0.4, "mask"),

@@ -14,6 +14,15 @@ use scene_folder::Folder;
 /// no texel is smaller than a footprint, so that the reference, which knows no mip levels, sees the
 /// same image.
 fn corner(material: &str) -> Scene {
+    let walls = "[[shapes]]\nmaterial = \"m\"\n\
+         rectangle = { corner = [0, 0, 1], edges = [[1.2, 0, 0], [0, 0, -1]] }\n\
+         [[shapes]]\nmaterial = \"m\"\n\
+         rectangle = { corner = [0, 0, 0], edges = [[1.2, 0, 0], [0, 1, 0]] }\n";
+    room(material, walls)
+}
+
+/// Shapes under a lamp and a sky, with materials of their own.
+fn room(material: &str, shapes: &str) -> Scene {
     let folder = Folder::new();
     let colours = ImageBuffer::from_fn(3, 2, |x, y| {
         Rgb([[200u8, 40, 90], [30, 180, 60], [90, 70, 220]][((x + y) % 3) as usize])
@@ -31,12 +40,8 @@ fn corner(material: &str) -> Scene {
          [film]\nwidth = 8\nheight = 8\nfilter = \"box\"\n\
          [sky]\nradiance = 0.5\n[materials.m]\n{material}\n\
          [materials.lamp]\nalbedo = 0\nemission = 6\n\
-         [[shapes]]\nmaterial = \"m\"\n\
-         rectangle = {{ corner = [0, 0, 1], edges = [[1.2, 0, 0], [0, 0, -1]] }}\n\
-         [[shapes]]\nmaterial = \"m\"\n\
-         rectangle = {{ corner = [0, 0, 0], edges = [[1.2, 0, 0], [0, 1, 0]] }}\n\
          [[shapes]]\nmaterial = \"lamp\"\n\
-         rectangle = {{ corner = [0.3, 1.2, 0.8], edges = [[0, 0, -0.5], [0.5, 0, 0]] }}\n"
+         rectangle = {{ corner = [0.3, 1.2, 0.8], edges = [[0, 0, -0.5], [0.5, 0, 0]] }}\n{shapes}"
     );
     folder.with("s.toml", text).scene("s.toml")
 }
@@ -69,6 +74,63 @@ fn albedos() {
     assert_agrees(&corner(
         "albedo = { file = \"colours.png\", scale = [2, 1], rotate = 30, offset = [0.1, 0.3], \
          wrap = [\"mirror\", \"repeat\"], factor = [0.9, 0.8, 1] }",
+    ));
+}
+
+/// Nowhere so smooth that light sampled alone is found too rarely to tell.
+#[test]
+fn roughness_metal_and_glass_of_a_principled_surface() {
+    assert_agrees(&corner(
+        "kind = \"principled\"\nbase_color = { file = \"colours.png\" }\n\
+         metallic = { file = \"colours.png\", channel = \"g\", scale = 0.5 }\n\
+         roughness = { file = \"normals.png\", channel = \"g\", wrap = \"mirror\" }\n\
+         transmission = { file = \"normals.png\", factor = 0.7 }\nthin = true",
+    ));
+}
+
+#[test]
+fn shares_of_mixtures() {
+    assert_agrees(&corner(
+        "kind = \"mix\"\nmaterials = [\"red\", \"rough\"]\n\
+         amount = { file = \"normals.png\", scale = 2, channel = \"g\" }\n\
+         [materials.red]\nalbedo = [0.9, 0.1, 0.1]\n[materials.rough]\nalbedo = 0.6\nroughness = 0.8",
+    ));
+}
+
+/// A tent with smooth normals, stretched, and once mirrored.
+#[test]
+fn copies() {
+    let tent = "[[objects.tent.shapes]]\nmaterial = \"m\"\n\
+         mesh = { vertices = [[0, 0, 0], [1, 0, 0], [1, 0.5, -0.6], [0, 0.5, -0.6]], \
+         faces = [[0, 1, 2], [0, 2, 3]], uvs = [[0, 0], [1, 0], [0.8, 1], [0, 1]], \
+         normals = [[-0.3, 1, 0.8], [0.3, 1, 0.8], [0.2, 1, 0.4], [-0.2, 1, 0.4]] }\n\
+         [[instances]]\nobject = \"tent\"\ntransform = [{ scale = [0.6, 1.4, 1] }]\n\
+         [[instances]]\nobject = \"tent\"\ntransform = [{ scale = [-0.5, 1, 0.9] }, \
+         { rotate = { axis = [0, 0, 1], degrees = 15 } }, { translate = [1.2, 0, 0.1] }]\n";
+    assert_agrees(&room(
+        "albedo = { file = \"colours.png\" }\n\
+         normal_map = { file = \"normals.png\", strength = 0.4 }",
+        tent,
+    ));
+    assert_agrees(&room(
+        "albedo = 0.8\nbump_map = { file = \"heights.png\", strength = 0.06 }\n\
+         alpha = { file = \"heights.png\", channel = \"r\" }\nalpha_cutoff = 0.2",
+        tent,
+    ));
+}
+
+#[test]
+fn spheres() {
+    let ball =
+        "[[shapes]]\nmaterial = \"m\"\nsphere = { center = [0.55, 0.35, 0.1], radius = 0.45 }\n";
+    assert_agrees(&room(
+        "albedo = { file = \"colours.png\", scale = [2, 1] }\n\
+         normal_map = { file = \"normals.png\", strength = 0.3, scale = [2, 1] }",
+        ball,
+    ));
+    assert_agrees(&room(
+        "albedo = 0.8\nbump_map = { file = \"heights.png\", strength = 0.05, scale = 2 }",
+        ball,
     ));
 }
 

@@ -26,6 +26,7 @@ use crate::interpolate::{Interpolated, towards};
 use crate::lanes::{Fx, Mask, Ux, as_bits, as_mask, gather_u32};
 use crate::math::INV_PI;
 use crate::opacity::Opacity;
+use crate::surface::Place;
 use crate::tables::Tables;
 use crate::texture::{NO_TEXTURE, Textures};
 use crate::vec3::Vec3x;
@@ -179,28 +180,21 @@ pub struct Read {
 
 impl Read {
     /// Points with barycentric weights `u`, `v` of `primitive` that rays of cone width `width` met;
-    /// (0, 0) where there are no coordinates.
+    /// (0, 0) where there are no coordinates, none if nothing has any.
     #[inline(always)]
     #[must_use]
     pub fn at(tables: &Tables, primitive: Ux, u: Fx, v: Fx, width: Fx) -> Option<Self> {
         let attributes = tables.attributes.as_ref()?;
-        // Only triangles of the world carry coordinates; others borrow one's.
-        let own = own(tables, primitive);
-        let some = as_bits(own) & primitive;
-        let point = Interpolated::at(&tables.triangles, attributes, some, u, v);
-        let uv = point.uv.map(|x| own & x);
-        let uv_per_length = own & point.uv_per_length;
+        let triangles = &tables.triangles;
+        let outside = || Place::of(triangles, primitive, u, v).outside;
+        let point = Interpolated::met(triangles, attributes, primitive, outside, (u, v));
         Some(Self {
-            width: width * uv_per_length,
-            point: Interpolated {
-                uv,
-                uv_per_length,
-                ..point
-            },
+            width: width * point.uv_per_length,
+            point,
         })
     }
 
-    /// The shading normals of `fronts` as bent by the maps of materials, as their fronts see them;
+    /// The shading normals as bent by the maps of materials, as fronts see them;
     /// and which lanes have one.
     #[inline]
     #[must_use]
@@ -240,10 +234,4 @@ impl Read {
 #[must_use]
 pub fn facing(bent: Vec3x, front: Mask, geometric: Vec3x, omega_o: Vec3x) -> Vec3x {
     towards(Vec3x::select(front, bent, -bent), geometric, omega_o)
-}
-
-/// Lanes that hold triangles of the world.
-#[inline(always)]
-fn own(tables: &Tables, primitive: Ux) -> Mask {
-    as_mask(primitive.simd_lt(Ux::splat(tables.triangles.indices.len() as u32)))
 }

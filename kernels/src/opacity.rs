@@ -12,7 +12,7 @@
 
 use crate::interpolate::Attributes;
 use crate::levels::Filter;
-use crate::others::Home;
+use crate::others::{Home, coordinates_at};
 use crate::tables::Triangles;
 use crate::texture::{NO_TEXTURE, Textures};
 
@@ -43,10 +43,8 @@ pub struct Opacities<'a> {
     pub of: &'a [Opacity],
     /// What they read.
     pub textures: Textures<'a>,
-    /// Triangles.
-    pub triangles: Triangles<'a>,
-    /// What their vertices carry.
-    pub attributes: Attributes<'a>,
+    /// Where hits are.
+    pub coordinates: Coordinates<'a>,
     /// The render's seed.
     pub seed: u32,
 }
@@ -67,7 +65,7 @@ impl<N: Fn(usize) -> [u32; 3]> Filter for There<'_, N> {
     #[inline]
     fn accepts(&self, ray: usize, primitive: u32, u: f32, v: f32) -> bool {
         let all = self.opacities;
-        let row = &all.of[all.triangles.material_of(primitive) as usize];
+        let row = &all.of[all.coordinates.triangles.material_of(primitive) as usize];
         if *row == Opacity::WHOLE {
             return true;
         }
@@ -87,29 +85,47 @@ impl Opacities<'_> {
         if row.texture == NO_TEXTURE {
             return row.factor;
         }
-        let uv = self.coordinates(primitive, u, v).unwrap_or([0.0; 2]);
+        let uv = self.coordinates.at(primitive, u, v);
         row.factor * self.textures.number(row.texture, uv)
     }
+}
 
-    /// (u, v) as `interpolate` mixes them, unless a corner has none.
-    fn coordinates(&self, primitive: u32, u: f32, v: f32) -> Option<[f32; 2]> {
+/// Where single hits are in texture coordinates.
+#[derive(Clone, Copy, Debug)]
+pub struct Coordinates<'a> {
+    /// Triangles.
+    pub triangles: Triangles<'a>,
+    /// What their vertices carry.
+    pub attributes: Attributes<'a>,
+}
+
+impl Coordinates<'_> {
+    /// (u, v) of a hit as `interpolate` has it; 0 where a corner has none.
+    #[must_use]
+    pub fn at(&self, primitive: u32, u: f32, v: f32) -> [f32; 2] {
         let own = self.triangles.indices.get(primitive as usize);
         let (corners, uvs) = match (own, &self.triangles.others) {
             (Some(corners), _) => (corners, self.attributes.uvs),
             (None, Some(others)) => match others.home(primitive) {
                 Home::Object(object, i) => (&object.indices[i], object.attributes.uvs),
-                Home::Sphere => return None,
+                Home::Sphere => return coordinates_at(u, v),
             },
-            (None, None) => return None,
+            (None, None) => return [0.0; 2],
         };
         let [a, b, c] = corners.map(|v| uvs.get(v as usize).copied());
-        let (a, b, c) = (a?, b?, c?);
+        let (Some(a), Some(b), Some(c)) = (a, b, c) else {
+            return [0.0; 2];
+        };
         let mixed = [0, 1].map(|i| {
             let (d1, d2) = (b[i] - a[i], c[i] - a[i]);
             d2.mul_add(v, d1.mul_add(u, a[i]))
         });
         // One without coordinates is NaN and makes all of it so.
-        mixed.iter().all(|x| x.is_finite()).then_some(mixed)
+        if mixed.iter().all(|x| x.is_finite()) {
+            mixed
+        } else {
+            [0.0; 2]
+        }
     }
 }
 

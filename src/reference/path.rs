@@ -3,7 +3,7 @@
 use super::Reference;
 use super::bsdf::Reader;
 use super::random::uniform;
-use super::surface::{Frame, Point};
+use super::surface::Frame;
 use super::world::{Hit, Ray};
 use crate::scene::Bsdf;
 use glam::DVec3;
@@ -39,13 +39,11 @@ impl Reference<'_> {
         let origin = ray.origin + hit.t * ray.direction;
         let (outside, worn) = self.world.surface(hit.surface, origin);
         let front = ray.direction.dot(outside) < 0.0;
-        let part = self.part(rng, hit, worn);
-        // Copies and spheres have neither images nor interpolated normals.
-        let own = hit.surface < scene.mesh.triangles();
+        let part = self.part(rng, hit, outside, worn);
         let met = &scene.materials[part as usize];
-        let point = own.then(|| Point::new(scene, hit.surface, hit.weights, outside, met));
+        let point = self.world.point(hit, outside, met);
         let read = Reader {
-            point: point.as_ref().map(|point| (scene, point)),
+            point: Some((scene, &point)),
         };
         let surface = &scene.materials[worn as usize];
         let emitted = if front || surface.two_sided {
@@ -57,18 +55,19 @@ impl Reference<'_> {
             return (emitted, None);
         }
         let normal = if front { outside } else { -outside };
-        let shading = match &point {
-            Some(point) => point.towards(front, normal, -ray.direction),
-            None => normal,
-        };
+        let shading = point.towards(front, normal, -ray.direction);
         let frame = Frame::about(shading);
         let omega_o = frame.local(-ray.direction);
         let bsdf = self.materials[part as usize].bsdf(&read, omega_o, front);
         // What becomes of light where triangles are dark, and on the wrong side of either normal.
-        let factor = |omega_i: DVec3, cos: f64| match &point {
-            _ if cos * omega_i.dot(normal) <= 0.0 => 0.0,
-            Some(point) if bsdf.is_diffuse() => point.terminator(shading, normal, omega_i),
-            _ => 1.0,
+        let factor = |omega_i: DVec3, cos: f64| {
+            if cos * omega_i.dot(normal) <= 0.0 {
+                0.0
+            } else if bsdf.is_diffuse() {
+                point.terminator(shading, normal, omega_i)
+            } else {
+                1.0
+            }
         };
         let response = |omega_i: DVec3| {
             let local = frame.local(omega_i);
@@ -89,7 +88,7 @@ impl Reference<'_> {
     }
 
     /// The material that a path meets of `worn`: of a mixture, one of its parts.
-    fn part(&self, rng: &mut impl Rng, hit: &Hit, mut worn: u32) -> u32 {
+    fn part(&self, rng: &mut impl Rng, hit: &Hit, outside: DVec3, mut worn: u32) -> u32 {
         let scene = self.world.scene;
         while let Bsdf::Mix {
             first,
@@ -97,7 +96,7 @@ impl Reference<'_> {
             amount,
         } = &scene.materials[worn as usize].bsdf
         {
-            let share = self.world.number(hit, amount);
+            let share = self.world.number(hit, outside, amount);
             worn = if uniform(rng) < share {
                 *second
             } else {

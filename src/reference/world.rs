@@ -1,10 +1,10 @@
 //! What the reference's rays meet: triangles and spheres, all of which every ray is tested against.
 
+use super::carried::Carried;
 use super::random::uniform;
 use super::sphere::{Sphere, copies};
-use super::surface::{number, presence, uv_at};
-use super::vector;
-use crate::scene::{Scene, Textured};
+use super::surface::{Point, number, presence};
+use crate::scene::{Material, Scene, Textured};
 use glam::DVec3;
 use rand_pcg::rand_core::Rng;
 
@@ -24,6 +24,7 @@ pub(super) struct Triangle {
     edges: [DVec3; 2],
     normal: DVec3,
     material: u32,
+    carried: Carried,
 }
 
 pub(super) struct Ray {
@@ -44,7 +45,7 @@ impl<'a> World<'a> {
     pub(super) fn new(scene: &'a Scene) -> Self {
         let mesh = &scene.mesh;
         let triangles = (0..mesh.triangles())
-            .map(|i| Triangle::new(mesh.corners(i).map(vector), mesh.material[i]))
+            .map(|i| Triangle::new(Carried::of(mesh, i), mesh.material[i]))
             .chain(copies(scene));
         let spheres = scene.spheres.iter().map(Sphere::new);
         let bounds = scene.bounds().unwrap_or_default();
@@ -106,27 +107,27 @@ impl<'a> World<'a> {
 
     /// Whether a triangle is there for a ray, at these weights: of partial opacity, by chance.
     fn is_there(&self, rng: &mut impl Rng, i: usize, weights: [f64; 2]) -> bool {
-        // Copies are wholly there.
-        let own = i < self.scene.mesh.triangles();
-        let presence = if own {
-            presence(self.scene, i, weights)
-        } else {
-            1.0
-        };
+        let triangle = &self.triangles[i];
+        let material = &self.scene.materials[triangle.material as usize];
+        let presence = presence(self.scene, material, triangle.carried.uv(weights));
         presence >= 1.0 || (presence > 0.0 && uniform(rng) < presence)
     }
 
-    /// A number at a hit: by its image, on triangles that have coordinates.
-    pub(super) fn number(&self, hit: &Hit, value: &Textured<f32>) -> f64 {
-        if hit.surface < self.scene.mesh.triangles() {
-            number(
-                self.scene,
-                value,
-                uv_at(&self.scene.mesh, hit.surface, hit.weights),
-            )
-        } else {
-            value.factor.into()
+    /// A hit on a front whose unit normal is `outside`, as `material` shows it.
+    pub(super) fn point(&self, hit: &Hit, outside: DVec3, material: &Material) -> Point {
+        match self.triangles.get(hit.surface) {
+            Some(t) => Point::new(self.scene, &t.carried, hit.weights, outside, material),
+            None => {
+                let sphere = &self.spheres[hit.surface - self.triangles.len()];
+                Point::on_sphere(self.scene, outside, sphere.radius, material)
+            }
         }
+    }
+
+    /// A number at a hit on a front whose unit normal is `outside`, by its image.
+    pub(super) fn number(&self, hit: &Hit, outside: DVec3, value: &Textured<f32>) -> f64 {
+        let plain = Material::diffuse("", [0.0; 3], [0.0; 3]);
+        number(self.scene, value, self.point(hit, outside, &plain).uv)
     }
 
     /// The unit normal of a surface's front at a point of it, and the material that it wears.
@@ -142,8 +143,10 @@ impl<'a> World<'a> {
 }
 
 impl Triangle {
-    pub(super) fn new([a, b, c]: [DVec3; 3], material: u32) -> Self {
+    pub(super) fn new(carried: Carried, material: u32) -> Self {
+        let [a, b, c] = carried.places;
         Self {
+            carried,
             corner: a,
             edges: [b - a, c - a],
             normal: (b - a).cross(c - a).normalize(),

@@ -9,33 +9,18 @@ impl Scene {
     /// for.
     #[must_use]
     pub fn unsupported(&self) -> Option<String> {
-        let mut all = self.materials.iter().zip(self.worn());
-        let lacking = all.find_map(|(m, worn)| {
-            let what = lacking(m).filter(|_| worn)?;
+        self.spheres.iter().find_map(|sphere| {
+            let m = &self.materials[sphere.material as usize];
+            let what = if m.alpha.is_some() {
+                "`alpha`"
+            } else {
+                m.emission_varies().then_some("an image of `emission`")?
+            };
             Some(format!(
-                "material `{}` has {what}, which cannot be rendered yet",
+                "material `{}` has {what} and is worn by a sphere, which cannot be rendered yet",
                 m.name
             ))
-        });
-        lacking.or_else(|| self.lacking_on_others())
-    }
-
-    /// What spheres and copies of objects cannot wear.
-    fn lacking_on_others(&self) -> Option<String> {
-        let spheres = self.spheres.iter().map(|s| s.material);
-        let copies = self.instances.iter().flat_map(|i| {
-            let own = &self.objects[i.object as usize].mesh.material;
-            let own = own.iter().filter(|_| i.material.is_none());
-            i.material.iter().chain(own)
-        });
-        let lacks = |m: &Material| m.alpha.is_some() || m.reads_textures(&self.materials);
-        let mut placed = spheres.chain(copies.copied());
-        let found = placed.find(|&m| lacks(&self.materials[m as usize]))?;
-        Some(format!(
-            "material `{}` has images or `alpha` and is worn by a sphere or an instance, which \
-             cannot be rendered yet",
-            self.materials[found as usize].name
-        ))
+        })
     }
 
     /// Why the reference tracer would give another image than the wave, if so.
@@ -62,16 +47,4 @@ fn unknown(material: &Material) -> Option<&'static str> {
             .then_some("a metal's textured roughness, with compensation"),
         _ => None,
     }
-}
-
-/// What a material asks for and no kernel can do: some images.
-fn lacking(material: &Material) -> Option<String> {
-    let mut copy = material.clone();
-    let slots = copy.textures_mut();
-    let slot = slots.iter().find(|slot| is_lacking(slot.what()));
-    slot.map(|slot| format!("a textured {}", slot.what()))
-}
-
-fn is_lacking(slot: &str) -> bool {
-    slot == "amount"
 }

@@ -3,11 +3,9 @@
 use super::camera;
 use super::parameters::Parameters;
 use crate::scene::material::{Alpha, NormalMap, Relief};
-use crate::scene::{Material, Scene};
+use crate::scene::{Bsdf, Material, Scene};
 use huygens_kernels::images::{self, Cone, Images, SITES};
-use huygens_kernels::interpolate::Attributes;
-use huygens_kernels::opacity::{Opacities, Opacity};
-use huygens_kernels::tables::Triangles;
+use huygens_kernels::opacity::{Coordinates, Opacities, Opacity};
 use huygens_kernels::texture::{NO_TEXTURE, Texture, TextureUse, Textures};
 
 /// What materials read of images.
@@ -18,6 +16,8 @@ pub(crate) struct ImageTables<'a> {
     sites: [Vec<u32>; SITES],
     /// Empty where no material has a map.
     relief: Vec<images::Relief>,
+    /// Of mixtures' shares.
+    amount: Vec<u32>,
     /// Empty where no material has one for its emission.
     emission: Vec<u32>,
     /// Empty where all materials are wholly there.
@@ -29,8 +29,7 @@ impl<'a> ImageTables<'a> {
     /// The tables of what surfaces of `scene` read, by material; none if they read nothing and are
     /// wholly there.
     pub(crate) fn new(scene: &'a Scene) -> Option<Self> {
-        let called_for =
-            |m: &Material| m.is_varied() || m.alpha.is_some() || m.emission.texture.is_some();
+        let called_for = |m: &Material| m.alpha.is_some() || !m.textures().is_empty();
         if !scene.materials.iter().any(called_for) {
             return None;
         }
@@ -39,6 +38,7 @@ impl<'a> ImageTables<'a> {
             uses: Vec::new(),
             sites: [const { Vec::new() }; SITES],
             relief: Vec::new(),
+            amount: Vec::new(),
             emission: Vec::new(),
             opacity: Vec::new(),
             cone: camera::cone(&scene.camera, &scene.film),
@@ -49,6 +49,12 @@ impl<'a> ImageTables<'a> {
                 let index = tables.place(images.next().flatten());
                 tables.sites[k].push(index);
             }
+            let amount = match &material.bsdf {
+                Bsdf::Mix { amount, .. } => amount.texture,
+                _ => None,
+            };
+            let index = tables.place(amount);
+            tables.amount.push(index);
         }
         if scene.materials.iter().any(|m| m.normal_map.is_some()) {
             for material in &scene.materials {
@@ -110,21 +116,21 @@ impl<'a> ImageTables<'a> {
         }
     }
 
+    /// What shares of mixtures read: texture uses by material, or [`NO_TEXTURE`].
+    pub(crate) fn amounts(&self) -> (Textures<'_>, &[u32]) {
+        (self.textures(), &self.amount)
+    }
+
     /// What traversals ask, where some material is not wholly there.
     pub(crate) fn opacities(
         &'a self,
-        scene: &'a Scene,
-        triangles: Triangles<'a>,
+        coordinates: Coordinates<'a>,
         seed: u32,
     ) -> Option<Opacities<'a>> {
         (!self.opacity.is_empty()).then(|| Opacities {
             of: &self.opacity,
             textures: self.textures(),
-            triangles,
-            attributes: Attributes {
-                normals: &scene.mesh.normals,
-                uvs: &scene.mesh.uvs,
-            },
+            coordinates,
             seed,
         })
     }

@@ -36,7 +36,7 @@ pub(crate) struct Setup<'a> {
     /// Whether lights are not the same all over.
     varying_emission: bool,
     /// Where some materials are mixtures of others.
-    pub(crate) mixtures: Option<Mixtures>,
+    pub(crate) mixtures: Option<Mixtures<'a>>,
     /// By material.
     pub(crate) routes: Routes,
     pub(crate) lens: Lens<'a>,
@@ -90,12 +90,12 @@ impl<'a> Setup<'a> {
             emits: m.emits(),
             list: list(shader),
         });
-        let mixtures = Mixtures::new(scene, effects, settings.seed);
+        let mixtures = Mixtures::new(scene, effects, scene_tables, geometry, settings.seed);
         let routes = Routes::new(routes.collect(), mixtures.is_some());
         Self {
             geometry,
             varying_emission: effects.varying_emission,
-            bends: !scene.mesh.normals.is_empty() || effects.relief,
+            bends: scene.has_normals() || effects.relief,
             tables: scene_tables.view(scene, geometry),
             opacities: scene_tables
                 .opacities(scene, geometry, settings.seed)

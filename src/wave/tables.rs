@@ -4,12 +4,13 @@ use super::images::ImageTables;
 use super::lights::LightTables;
 use super::parameters::Parameters;
 use crate::geometry::Geometry;
-use crate::scene::Scene;
+use crate::scene::{Mesh, Scene};
 use crate::settings::Settings;
 use huygens_kernels::interpolate::Attributes;
-use huygens_kernels::opacity::Opacities;
+use huygens_kernels::opacity::{Coordinates, Opacities};
 use huygens_kernels::others::{Object, Others};
 use huygens_kernels::tables::{Materials, SLOTS, Tables, Triangles};
+use huygens_kernels::texture::Textures;
 
 /// Material columns and light tables.
 #[derive(Debug, Default)]
@@ -56,10 +57,7 @@ impl<'a> SceneTables<'a> {
             vertices: &o.mesh.vertices,
             indices: &o.mesh.indices,
             material: &o.mesh.material,
-            attributes: Attributes {
-                normals: &o.mesh.normals,
-                uvs: &o.mesh.uvs,
-            },
+            attributes: attributes(&o.mesh),
         };
         self.objects = scene.objects.iter().map(object).collect();
         self.sphere_material = scene.spheres.iter().map(|s| s.material).collect();
@@ -85,17 +83,30 @@ impl<'a> SceneTables<'a> {
         geometry: &'a Geometry,
         seed: u32,
     ) -> Option<Opacities<'a>> {
-        let triangles = self.view(scene, geometry).triangles;
-        self.images.as_ref()?.opacities(scene, triangles, seed)
+        let coordinates = self.coordinates(scene, geometry);
+        self.images.as_ref()?.opacities(coordinates, seed)
+    }
+
+    /// Where single hits are in texture coordinates.
+    pub(crate) fn coordinates(
+        &'a self,
+        scene: &'a Scene,
+        geometry: &'a Geometry,
+    ) -> Coordinates<'a> {
+        Coordinates {
+            triangles: self.view(scene, geometry).triangles,
+            attributes: attributes(&scene.mesh),
+        }
+    }
+
+    /// What shares of mixtures read.
+    pub(crate) fn amounts(&self) -> Option<(Textures<'_>, &[u32])> {
+        self.images.as_ref().map(ImageTables::amounts)
     }
 
     fn view_of_attributes(&self, scene: &'a Scene) -> Option<Attributes<'a>> {
-        let mesh = &scene.mesh;
-        let read = !mesh.normals.is_empty() || self.images.is_some();
-        (read && mesh.triangles() > 0).then_some(Attributes {
-            normals: &mesh.normals,
-            uvs: &mesh.uvs,
-        })
+        let read = scene.has_normals() || self.images.is_some();
+        read.then_some(attributes(&scene.mesh))
     }
 
     /// The view that kernels take.
@@ -119,6 +130,14 @@ impl<'a> SceneTables<'a> {
             attributes: self.view_of_attributes(scene),
             images: self.images.as_ref().map(ImageTables::view),
         }
+    }
+}
+
+/// What a mesh's vertices carry.
+pub(crate) fn attributes(mesh: &Mesh) -> Attributes<'_> {
+    Attributes {
+        normals: &mesh.normals,
+        uvs: &mesh.uvs,
     }
 }
 

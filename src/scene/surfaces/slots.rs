@@ -106,7 +106,7 @@ impl Material {
     }
 
     /// The textures that it reads, by index.
-    pub(in crate::scene) fn textures(&self) -> Vec<u32> {
+    pub(crate) fn textures(&self) -> Vec<u32> {
         let mut copy = self.clone();
         let slots = copy.textures_mut();
         slots.iter().map(Slot::texture).collect()
