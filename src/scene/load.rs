@@ -12,7 +12,6 @@ use super::shapes::Shapes;
 use super::surfaces::{self, Surfaces};
 use super::texture::Store;
 use super::toml::SceneFile;
-use super::unsupported::stand_in;
 use crate::settings::Preset;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -186,9 +185,6 @@ impl Source {
         let load = |file: &GeometryFile| file.format.load(&file.path, read);
         let loaded: Vec<Result<Imported, SceneError>> = self.files.par_iter().map(load).collect();
         let mut imported = loaded.into_iter().collect::<Result<Vec<_>, _>>()?;
-        for (imported, file) in imported.iter_mut().zip(&self.files) {
-            stand_in(imported, &file.path);
-        }
         let own = self.native.iter().flat_map(|n| &n.surfaces.wanted);
         let own = own.map(|wanted| &wanted.request);
         let wanted = own.chain(imported.iter().flat_map(Imported::wanted));
