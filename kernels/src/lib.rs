@@ -41,6 +41,7 @@ pub mod order;
 pub mod others;
 pub mod packet;
 pub mod phase;
+pub mod prefetch;
 pub mod query;
 pub mod queues;
 pub mod rays;
