@@ -41,10 +41,12 @@ fn shipped_scenes_look_the_same_in_f64() {
             continue;
         }
         (scene.film.width, scene.film.height) = (8, 6);
-        let settings = |integrator, spp| Settings {
+        // A path of one wavelength tells less of three channels.
+        let times = if scene.disperses() { 3 } else { 1 };
+        let settings = |integrator, spp: u32| Settings {
             integrator,
             strategy: Strategy::Mis,
-            spp,
+            spp: times * spp,
             max_depth: Some(DEPTH),
             ..independent()
         };
@@ -71,9 +73,8 @@ fn shipped_scenes_look_the_same_in_f64() {
     }
     println!("{compared} compared; not compared: {left:?}");
     assert!(compared >= 4, "{left:?}");
-    // Nothing but size is a reason to leave a scene out.
-    assert!(
-        left.iter().all(|(_, why)| why == "too many triangles"),
-        "{left:?}"
-    );
+    // Nothing but size is a reason to leave a scene out, and media inside of glass, which the reference
+    // does not know.
+    let known = |why: &str| why == "too many triangles" || why.contains("a medium inside");
+    assert!(left.iter().all(|(_, why)| known(why)), "{left:?}");
 }
