@@ -431,31 +431,6 @@ fn textures_out_of_range() {
     );
 }
 
-/// What `--max-memory` counts on is what is there.
-#[test]
-fn bytes_of_textures_are_foreseen() {
-    let folder = folder();
-    let large = ImageBuffer::from_fn(257, 130, |x, y| Rgb([x as u8, y as u8, 7]));
-    large.save(folder.path("large.png")).unwrap();
-    let files = [
-        "large.png",
-        "photo.jpg",
-        "bright.hdr",
-        "grey.png",
-        "deep.png",
-    ];
-    for file in files {
-        let materials = format!("[materials.m]\nbump_map = {{ file = \"{file}\" }}\n");
-        std::fs::write(folder.path("s.toml"), text(&materials)).unwrap();
-        let path = folder.path("s.toml");
-        let source = huygens::scene::Source::open(&path).unwrap();
-        let foreseen = source.counts().unwrap().texture_bytes;
-        let scene = folder.scene("s.toml");
-        let there: usize = scene.textures.iter().map(|t| t.bytes()).sum();
-        assert_eq!(foreseen, there as u64, "{file}");
-    }
-}
-
 #[test]
 fn keys_of_images_that_mean_nothing() {
     for (line, wrong) in [
