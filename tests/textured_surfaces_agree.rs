@@ -6,7 +6,7 @@ mod scene_folder;
 use common::picture::{by_reference, by_wave, independent, render};
 use common::statistics::same;
 use huygens::scene::Scene;
-use huygens::settings::{Settings, Strategy};
+use huygens::settings::{Integrator, Settings, Strategy};
 use image::{ImageBuffer, Rgb};
 use scene_folder::Folder;
 
@@ -261,4 +261,54 @@ fn metal_and_glass() {
     let varied = format!("ior = 1.4\nroughness = {image}\n");
     let glass = rough.each_ref().map(|r| format!("ior = 1.4\n{r}"));
     assert_same_bits("dielectric", &varied, glass.each_ref().map(String::as_str));
+}
+
+/// A board of 1024 by 1024 squares, black and white, from so far away that a pixel holds some hundred
+/// of them: with mip levels every sample of the middle pixels is grey, without them each is black or
+/// white. `nearest` reads without.
+#[test]
+fn what_is_far_away_is_read_through_mip_levels() {
+    let board = |filter: &str, integrator: Integrator| {
+        let folder = Folder::new();
+        let image =
+            ImageBuffer::from_fn(1024, 1024, |x, y| image::Luma([255 * ((x + y) % 2) as u8]));
+        image.save(folder.path("board.png")).unwrap();
+        let text = format!(
+            "[camera]\norigin = [0.5, 0.5, 40]\ntarget = [0.5, 0.5, 0]\nfov = 40\n\
+             [film]\nwidth = 256\nheight = 256\nfilter = \"box\"\n[sky]\nradiance = 1\n\
+             [materials.m]\nalbedo = {{ file = \"board.png\", color_space = \"linear\", \
+             filter = \"{filter}\" }}\n[[shapes]]\nmaterial = \"m\"\n\
+             rectangle = {{ corner = [0, 0, 0], edges = [[1, 0, 0], [0, 1, 0]] }}\n"
+        );
+        let mut scene = folder.scene_of(&text);
+        // The camera's pixels, of which only the middle ones are rendered.
+        let extent = scene.camera.projection.extent_mut().expect("a pinhole");
+        extent.half_width /= 128.0;
+        extent.half_height /= 128.0;
+        (scene.film.width, scene.film.height) = (2, 2);
+        let settings = Settings {
+            integrator,
+            // Drawn by the cosine, and without roulette, each sample is the albedo.
+            strategy: Strategy::Cosine,
+            spp: 256,
+            max_depth: Some(1),
+            roulette: false,
+            ..independent()
+        };
+        let image = render(&scene, &settings).0;
+        (image.mean[0][0], image.variance[0][0] * 256.0)
+    };
+    for integrator in [Integrator::Path, Integrator::Albedo] {
+        let (mean, variance) = board("linear", integrator);
+        // Bytes of 127 or 128, all samples alike but for their rounding.
+        assert!(
+            (mean - 0.5).abs() < 0.003 && variance < 1e-4,
+            "{mean} {variance}"
+        );
+        let (mean, variance) = board("nearest", integrator);
+        assert!(
+            (mean - 0.5).abs() < 0.2 && variance > 0.2,
+            "{mean} {variance}"
+        );
+    }
 }

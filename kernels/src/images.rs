@@ -112,6 +112,8 @@ pub struct Images<'a> {
     pub sites: [&'a [u32]; SITES],
     /// Normal and bump maps, by material; empty if there are none.
     pub relief: &'a [Relief],
+    /// Texture uses of what is a material's colour in one word (`Materials::albedo`), by material.
+    pub albedo: &'a [u32],
     /// Texture uses of emission, by material; empty if none has one.
     pub emission: &'a [u32],
     /// Opacities, by material; empty if all are wholly there.
@@ -240,4 +242,26 @@ impl Read {
 #[must_use]
 pub fn facing(bent: Vec3x, front: Mask, geometric: Vec3x, omega_o: Vec3x) -> Vec3x {
     towards(Vec3x::select(front, bent, -bent), geometric, omega_o)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn width(cone: Cone, t: f32, pdf: f32) -> f32 {
+        cone.width(Fx::splat(t), Fx::splat(pdf)).as_array()[0]
+    }
+
+    #[test]
+    fn cones_are_as_wide_as_the_formula_says() {
+        let cone = Cone::of_pixels(0.5, 0.02);
+        // A quarter of a pixel, at the camera and by distance.
+        assert_eq!(width(cone, 0.0, f32::INFINITY), 0.125);
+        assert!((width(cone, 100.0, f32::INFINITY) - (0.125 + 0.5)).abs() < 1e-6);
+        // A cosine lobe's middle, pdf 1 / pi: half an angle of 1/16, so an eighth of the distance.
+        let matt = width(cone, 100.0, INV_PI);
+        assert!((matt - 12.5).abs() < 1e-4, "{matt}");
+        // A narrow lobe leaves the camera's cone as it is.
+        assert_eq!(width(cone, 100.0, 1e9), width(cone, 100.0, f32::INFINITY));
+    }
 }

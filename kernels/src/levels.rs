@@ -10,7 +10,7 @@
 //! This is a kernel of its own: worlds of nothing but triangles go through `flight.rs`, `packet.rs`
 //! and `few.rs` and pay nothing for what is here.
 //!
-//! **Masks.** A [`Filter`] is asked about a triangle's hit before it counts; one that it rejects is as
+//! **Opacity.** A [`Filter`] is asked about a triangle's hit before it counts; one that it rejects is as
 //! if it were not there, and the walk goes on from where it is. [`Everything`] is compiled away.
 //!
 //! Input and output: as `traverse.rs`; numbers of hits are global, see [`World`]. Of equally near

@@ -16,6 +16,8 @@ pub(crate) struct ImageTables<'a> {
     sites: [Vec<u32>; SITES],
     /// Empty where no material has a map.
     relief: Vec<images::Relief>,
+    /// Of what is a colour in one word: see [`Material::albedo`].
+    albedo: Vec<u32>,
     /// Of mixtures' shares.
     amount: Vec<u32>,
     /// Empty where no material has one for its emission.
@@ -38,6 +40,7 @@ impl<'a> ImageTables<'a> {
             uses: Vec::new(),
             sites: [const { Vec::new() }; SITES],
             relief: Vec::new(),
+            albedo: Vec::new(),
             amount: Vec::new(),
             emission: Vec::new(),
             opacity: Vec::new(),
@@ -49,6 +52,15 @@ impl<'a> ImageTables<'a> {
                 let index = tables.place(images.next().flatten());
                 tables.sites[k].push(index);
             }
+            let albedo = match &material.bsdf {
+                Bsdf::Diffuse { reflectance, .. } => reflectance.texture,
+                Bsdf::Conductor { tint, .. } => tint.texture,
+                Bsdf::Dielectric(glass) => glass.transmission_tint.texture,
+                Bsdf::Principled(p) => p.base_color.texture,
+                Bsdf::Mix { .. } => None,
+            };
+            let index = tables.place(albedo);
+            tables.albedo.push(index);
             let amount = match &material.bsdf {
                 Bsdf::Mix { amount, .. } => amount.texture,
                 _ => None,
@@ -141,6 +153,7 @@ impl<'a> ImageTables<'a> {
             textures: self.textures(),
             sites: self.sites.each_ref().map(|column| &column[..]),
             relief: &self.relief,
+            albedo: &self.albedo,
             emission: &self.emission,
             opacity: &self.opacity,
             cone: self.cone,
