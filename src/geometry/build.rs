@@ -23,7 +23,9 @@ const CUTS: f32 = 1.0;
 /// Reinsertion walks the tree with a stack of 192 entries that panics when it is full. Trees start
 /// at 30 to 60 levels for millions of triangles and hardly grow; one that is this deep already
 /// comes from boxes that reinsertion could not improve.
-const DEEP: usize = 96;
+const DEEP: u32 = 96;
+/// Levels whose nodes are looked through in parallel.
+const FORK: u32 = 8;
 /// Areas of boxes beyond this size overflow: there is no surface area heuristic, and reinsertion
 /// panics on a NaN. Clustering takes whatever comes.
 const HUGE: f32 = 1e18;
@@ -42,22 +44,19 @@ pub(super) struct Binary {
 impl Binary {
     /// The tree over all triangles of `mesh` that are finite; none if there are no such triangles.
     pub(super) fn build(mesh: &Mesh, preset: Preset) -> Option<Self> {
+        let (largest, all_finite) = extremes(&mesh.vertices);
         // A scene promises finite vertices. Should one slip through, its triangles are left out
         // rather than let spoil every comparison of areas.
-        let kept: Vec<u32> = (0..mesh.triangles() as u32)
-            .into_par_iter()
-            .filter(|&i| is_finite(&bounds(mesh, i as usize)))
-            .collect();
+        let all = (0..mesh.triangles() as u32).into_par_iter();
+        let kept: Vec<u32> = if all_finite {
+            all.collect()
+        } else {
+            all.filter(|&i| is_finite(&bounds(mesh, i as usize)))
+                .collect()
+        };
         if kept.is_empty() {
             return None;
         }
-        let largest = mesh
-            .vertices
-            .par_iter()
-            .flatten_iter()
-            .map(|c| c.abs())
-            .filter(|c| c.is_finite())
-            .reduce(|| 0.0, f32::max);
         if largest >= HUGE {
             return Some(Self::cluster(mesh, &kept));
         }
@@ -94,16 +93,36 @@ impl Binary {
 
     /// Improves the tree where it can.
     fn reinsert(mut self, share: f32) -> Self {
-        if depth(&self.nodes) < DEEP {
+        if depth(&self.nodes, 0, 1) < DEEP {
+            let candidates = largest(&self.nodes, share);
             let mut tree = Bvh2 {
-                nodes: breadth_first(&self.nodes),
+                nodes: self.nodes,
                 ..Bvh2::default()
             };
-            ReinsertionOptimizer::default().run(&mut tree, share, None);
+            let mut optimizer = ReinsertionOptimizer::default();
+            // As obvhs' own passes: fewer and fewer, so that large nodes have more of them.
+            for part in (1..32).step_by(2) {
+                let most = candidates.len().div_ceil(part);
+                optimizer.run_with_candidates(&mut tree, &candidates[..most], 1);
+            }
             self.nodes = tree.nodes;
         }
         self
     }
+}
+
+/// The largest finite coordinate without its sign, and whether all are finite.
+fn extremes(vertices: &[[f32; 3]]) -> (f32, bool) {
+    let coordinates = vertices.par_iter().flatten_iter().map(|c| c.abs());
+    coordinates
+        .map(|c| {
+            if c.is_finite() {
+                (c, true)
+            } else {
+                (0.0, false)
+            }
+        })
+        .reduce(|| (0.0, true), |a, b| (a.0.max(b.0), a.1 & b.1))
 }
 
 fn is_finite(aabb: &Aabb) -> bool {
@@ -119,32 +138,33 @@ fn bounds(mesh: &Mesh, i: usize) -> Aabb {
     Aabb::new(a.min(b).min(c), a.max(b).max(c))
 }
 
-/// The same tree with the nodes of a level before those of the next: reinsertion looks for
-/// candidates at the front of the list, and means large nodes.
-fn breadth_first(nodes: &[Bvh2Node]) -> Vec<Bvh2Node> {
-    let mut sorted = Vec::with_capacity(nodes.len());
-    sorted.push(nodes[0]);
-    let mut next = 0;
-    while next < sorted.len() {
-        let first = sorted[next].first_index as usize;
-        if !sorted[next].is_leaf() {
-            sorted[next].first_index = sorted.len() as u32;
-            sorted.extend([nodes[first], nodes[first + 1]]);
-        }
-        next += 1;
+/// So large a share of the nodes below the root as has the largest boxes, by falling area.
+fn largest(nodes: &[Bvh2Node], share: f32) -> Vec<u32> {
+    // Areas are not negative, so their bits are in their order.
+    let key = |(i, node): (usize, &Bvh2Node)| {
+        u64::from(!node.aabb().half_area().to_bits()) << 32 | i as u64
+    };
+    let mut keys: Vec<u64> = nodes.par_iter().enumerate().skip(1).map(key).collect();
+    let most = (nodes.len() as f32 * share) as usize;
+    if most < keys.len() {
+        keys.select_nth_unstable(most);
+        keys.truncate(most);
     }
-    sorted
+    keys.par_sort_unstable();
+    keys.into_iter().map(|key| key as u32).collect()
 }
 
-/// Nodes on the longest path from the root; children must come after their parents.
-fn depth(nodes: &[Bvh2Node]) -> usize {
-    let mut depth = vec![1u32; nodes.len()];
-    for i in 0..nodes.len() {
-        if !nodes[i].is_leaf() {
-            let first = nodes[i].first_index as usize;
-            depth[first] = depth[i] + 1;
-            depth[first + 1] = depth[i] + 1;
-        }
+/// Nodes on the longest path from the root, if `node` is the one numbered `level` on its own path.
+fn depth(nodes: &[Bvh2Node], node: u32, level: u32) -> u32 {
+    let first = nodes[node as usize].first_index;
+    if nodes[node as usize].is_leaf() {
+        return level;
     }
-    depth.into_iter().max().unwrap_or(0) as usize
+    let below = |node: u32| depth(nodes, node, level + 1);
+    let (low, high) = if level <= FORK {
+        rayon::join(|| below(first), || below(first + 1))
+    } else {
+        (below(first), below(first + 1))
+    };
+    low.max(high)
 }
