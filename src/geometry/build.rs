@@ -94,16 +94,18 @@ impl Binary {
     /// Improves the tree where it can.
     fn reinsert(mut self, share: f32) -> Self {
         if depth(&self.nodes, 0, 1) < DEEP {
-            let candidates = largest(&self.nodes, share);
+            // obvhs' own passes, over fewer and fewer nodes, look for these at the front of a list in
+            // breadth-first order, into which the whole tree would have to be brought. So it is told.
+            let most = (self.nodes.len() as f32 * share) as usize;
+            let front = breadth_first(&self.nodes, 2 * most + 1);
             let mut tree = Bvh2 {
                 nodes: self.nodes,
                 ..Bvh2::default()
             };
             let mut optimizer = ReinsertionOptimizer::default();
-            // As obvhs' own passes: fewer and fewer, so that large nodes have more of them.
             for part in (1..32).step_by(2) {
-                let most = candidates.len().div_ceil(part);
-                optimizer.run_with_candidates(&mut tree, &candidates[..most], 1);
+                let candidates = largest(&tree.nodes, &front, (most / part).max(1));
+                optimizer.run_with_candidates(&mut tree, &candidates, 1);
             }
             self.nodes = tree.nodes;
         }
@@ -138,20 +140,36 @@ fn bounds(mesh: &Mesh, i: usize) -> Aabb {
     Aabb::new(a.min(b).min(c), a.max(b).max(c))
 }
 
-/// So large a share of the nodes below the root as has the largest boxes, by falling area.
-fn largest(nodes: &[Bvh2Node], share: f32) -> Vec<u32> {
-    // Areas are not negative, so their bits are in their order.
-    let key = |(i, node): (usize, &Bvh2Node)| {
-        u64::from(!node.aabb().half_area().to_bits()) << 32 | i as u64
+/// The first nodes below the root, level by level, `most` of them if there are so many.
+fn breadth_first(nodes: &[Bvh2Node], most: usize) -> Vec<u32> {
+    let mut front = Vec::with_capacity(most + 2);
+    let children = |node: u32| {
+        let node = &nodes[node as usize];
+        (!node.is_leaf()).then(|| [node.first_index, node.first_index + 1])
     };
-    let mut keys: Vec<u64> = nodes.par_iter().enumerate().skip(1).map(key).collect();
-    let most = (nodes.len() as f32 * share) as usize;
-    if most < keys.len() {
-        keys.select_nth_unstable(most);
-        keys.truncate(most);
+    front.extend(children(0).into_iter().flatten());
+    let mut next = 0;
+    while next < front.len() && front.len() < most {
+        front.extend(children(front[next]).into_iter().flatten());
+        next += 1;
     }
+    front
+}
+
+/// Of twice as many nodes at the front of a list the `most` that have the largest boxes, by falling
+/// area.
+fn largest(nodes: &[Bvh2Node], front: &[u32], most: usize) -> Vec<u32> {
+    // Areas are not negative, so their bits are in their order.
+    let key = |(i, &node): (usize, &u32)| {
+        let area = nodes[node as usize].aabb().half_area();
+        u64::from(!area.to_bits()) << 32 | i as u64
+    };
+    let front = &front[..front.len().min(2 * most + 1)];
+    let mut keys: Vec<u64> = front.par_iter().enumerate().map(key).collect();
     keys.par_sort_unstable();
-    keys.into_iter().map(|key| key as u32).collect()
+    keys.truncate(most);
+    let node = |key: u64| front[key as u32 as usize];
+    keys.into_iter().map(node).collect()
 }
 
 /// Nodes on the longest path from the root, if `node` is the one numbered `level` on its own path.

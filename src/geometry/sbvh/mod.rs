@@ -143,7 +143,7 @@ impl Builder<'_> {
     fn grow(&self, mut task: Task) -> Grown {
         if task.valid.len() < FORK {
             return Grown::run(task.valid.len(), task.from.len(), |run| {
-                self.run(task, 0, run)
+                self.run(task, 0, run);
             });
         }
         let bounds = task.bounds;
