@@ -20,9 +20,12 @@ use wide::f32x4;
 pub(super) const FROM: usize = 2048;
 /// Fewer references than this are a bucket.
 const BUCKET: usize = 256;
-/// Fewer planes to choose from than this, along all axes together, and a node is a bucket. A node has
-/// three times `BINS - 1` at most; with half of that rays take a few per cent longer.
-const PLANES: u32 = 30;
+/// Fewer planes to choose from than this, along all axes together, and a node is a bucket: on the
+/// grids of many references, which decide the top of the tree, and on others. A node has three times
+/// `BINS - 1` at most.
+const PLANES: [u32; 2] = [30, 16];
+/// What many references are.
+const MANY: usize = 1 << 15;
 /// Most cells, as a power of two, and most along an axis.
 const MOST: u32 = 15;
 const MOST_ALONG: u32 = 6;
@@ -163,6 +166,7 @@ pub(super) fn part(from: &[Reference], to: &mut [Reference], centres: Bounds) ->
     let mut splitter = Splitter {
         bucket_of: vec![0; cells.len()],
         buckets: 0,
+        planes: PLANES[usize::from(n < MANY)],
     };
     let plan = splitter.split(&mut used);
     plan.halves.as_ref()?;
@@ -209,6 +213,8 @@ struct Splitter {
     /// The bucket of each cell.
     bucket_of: Vec<u16>,
     buckets: usize,
+    /// With fewer to choose from a node is a bucket.
+    planes: u32,
 }
 
 impl Splitter {
@@ -247,7 +253,7 @@ impl Splitter {
         let planes: u32 = (0..3)
             .map(|a| (high[a] - low[a]).min(BINS as u32 - 1))
             .sum();
-        if count < BUCKET || planes < PLANES {
+        if count < BUCKET || planes < self.planes {
             return None;
         }
         // Cells along an axis that make a bin, as a power of two.
