@@ -8,7 +8,7 @@ mod shader;
 pub use shader::Shader;
 pub(crate) use shader::polished;
 
-use crate::scene::{Light, Material, Projection, Scene, Sky};
+use crate::scene::{Light, Material, Mesh, Projection, Scene, Sky};
 use crate::settings::{Integrator, LightSelection, Settings, Strategy};
 use serde::Serialize;
 
@@ -29,6 +29,14 @@ pub struct Effects {
     /// By material: what scatters there. Materials that no surface wears call for nothing and count as
     /// plain.
     pub shaders: Vec<Shader>,
+    /// Shaders of which some material reads images.
+    pub textured: Vec<Shader>,
+    /// Whether some surfaces are not wholly there.
+    pub opacity: bool,
+    /// Whether surfaces emit that do not emit the same all over.
+    pub varying_emission: bool,
+    /// Whether normal or bump maps bend shading normals.
+    pub relief: bool,
     /// Whether light comes from all around, or from discs at no distance.
     pub sky: bool,
     /// Whether surfaces emit.
@@ -63,6 +71,7 @@ impl Effects {
             effects.add("instances", format!("object `{}`", object.name));
         }
         let worn = scene.worn();
+        effects.opacity(scene, &worn);
         effects.light(scene, &worn);
         effects.surfaces(scene, &worn, transport);
         if transport {
@@ -132,6 +141,15 @@ impl Effects {
             self.emission = true;
             self.add("emissive triangles", material(m));
         }
+        let mut emitting = scene
+            .materials
+            .iter()
+            .zip(worn)
+            .filter(|(m, w)| **w && emits(m));
+        if let Some((m, _)) = emitting.find(|(m, _)| m.emission_varies()) {
+            self.varying_emission = true;
+            self.add("varying emission", material(m));
+        }
     }
 
     fn media(&mut self, scene: &Scene) {
@@ -168,6 +186,9 @@ impl Effects {
                 }
             }
         }
+        if transport {
+            self.images(scene, worn);
+        }
         if let Some(i) = smooth.iter().position(|&s| s).filter(|_| transport) {
             self.add("shading normals", material(&scene.materials[i]));
         }
@@ -177,6 +198,37 @@ impl Effects {
 /// Whether a render has to do with media.
 pub(crate) fn has_media(scene: &Scene, settings: &Settings) -> bool {
     settings.integrator.is_transport() && scene.media_in_use().next().is_some()
+}
+
+/// The effects of images at surfaces.
+impl Effects {
+    fn opacity(&mut self, scene: &Scene, worn: &[bool]) {
+        let partial = |m: &Material| m.alpha.map(|alpha| alpha.cutoff.is_none());
+        for (name, wanted) in [("alpha masks", false), ("partial opacity", true)] {
+            let mut all = scene.materials.iter().zip(worn);
+            if let Some((m, _)) = all.find(|(m, worn)| **worn && partial(m) == Some(wanted)) {
+                self.opacity = true;
+                self.add(name, material(m));
+            }
+        }
+    }
+
+    fn images(&mut self, scene: &Scene, worn: &[bool]) {
+        let all = || scene.materials.iter().zip(worn).zip(&self.shaders);
+        let varied = all().filter(|((m, worn), _)| **worn && m.is_varied());
+        let textured: Vec<Shader> = varied.clone().map(|(_, &shader)| shader).collect();
+        let first = varied.map(|((m, _), _)| m).next();
+        let bent = all().find(|((m, worn), _)| **worn && m.normal_map.is_some());
+        let bent = bent.map(|((m, _), _)| m);
+        if let Some(m) = first {
+            self.add("textures", material(m));
+        }
+        if let Some(m) = bent {
+            self.relief = true;
+            self.add("normal maps", material(m));
+        }
+        self.textured = textured;
+    }
 }
 
 /// The fewest lights at a finite distance for which a tree is taken to be worth its steps: set by
@@ -236,14 +288,25 @@ fn mixed(scene: &Scene, worn: &[bool]) -> Vec<bool> {
 
 /// By material: whether a surface that wears it has interpolated normals.
 fn smooth(scene: &Scene) -> Vec<bool> {
-    let mesh = &scene.mesh;
     let mut smooth = vec![false; scene.materials.len()];
+    mark_smooth(&scene.mesh, None, &mut smooth);
+    let mut known = std::collections::HashSet::new();
+    for instance in &scene.instances {
+        if known.insert((instance.object, instance.material)) {
+            let mesh = &scene.objects[instance.object as usize].mesh;
+            mark_smooth(mesh, instance.material, &mut smooth);
+        }
+    }
+    smooth
+}
+
+/// Marks the materials of a mesh's smooth triangles, or the one that all of it wears.
+fn mark_smooth(mesh: &Mesh, worn: Option<u32>, smooth: &mut [bool]) {
     for (triangle, &m) in mesh.indices.iter().zip(&mesh.material) {
         let has = |&v: &u32| {
             let normal = mesh.normals.get(v as usize);
-            normal.is_some_and(|&n| n != crate::scene::Mesh::NO_NORMAL)
+            normal.is_some_and(|&n| n != Mesh::NO_NORMAL)
         };
-        smooth[m as usize] |= triangle.iter().all(has);
+        smooth[worn.unwrap_or(m) as usize] |= triangle.iter().all(has);
     }
-    smooth
 }

@@ -22,6 +22,7 @@
 
 mod bsdf;
 mod camera;
+mod carried;
 mod fog;
 mod lights;
 mod path;

@@ -137,7 +137,7 @@ fn materials_of_an_mtl() {
             "my lib.mtl: Kd that is not one or three finite numbers was left out (material `odd`)",
             "my lib.mtl: Ke that is not one or three finite numbers was left out (material `odd`)",
             "my lib.mtl: Ns that is no finite number was left out (material `lead crystal`)",
-            "a.obj: images of albedo cannot be rendered yet; left out (material `lamp`)",
+            "a b.png: no such file; material `lamp` goes without its albedo",
         ]
     );
 }

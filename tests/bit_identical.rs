@@ -1,6 +1,7 @@
 //! The image is a function of scene, settings and seed: not of threads, wave, tiles or the day.
 
 mod common;
+mod scene_folder;
 
 use common::picture::render;
 use common::scenes::{Builder, cornell_box, floor_from_above};
@@ -8,6 +9,7 @@ use huygens::effects::light_selection;
 use huygens::film::Image;
 use huygens::scene::{Environment, Light, LightKind, Scene, Sky};
 use huygens::settings::{Integrator, LightSelection, Sampler, Settings, Strategy};
+use scene_folder::Folder;
 use std::sync::Arc;
 
 /// Means and variances, bit by bit, and counts.
@@ -166,6 +168,58 @@ fn through_a_lens() {
     let mut scene = box_70_by_51();
     scene.camera.projection = common::scenes::thin_lens(0.4, 40.0, 1000.0);
     assert_identical(&scene, &settings(Strategy::Mis, Integrator::Direct));
+}
+
+/// Images of several kinds, a normal map, a mask and partial opacity, on a sphere and a copy too, and
+/// branches on top of it.
+#[test]
+fn with_images_and_opacity() {
+    let folder = Folder::new();
+    let image = image::ImageBuffer::from_fn(16, 16, |x, y| {
+        image::Rgba([
+            15 * x as u8,
+            15 * y as u8,
+            220,
+            if (x + y) % 5 < 3 { 230 } else { 30 },
+        ])
+    });
+    image.save(folder.path("i.png")).unwrap();
+    let sheet = |y: f64, material: &str| {
+        format!(
+            "[[shapes]]\nmaterial = \"{material}\"\n\
+             rectangle = {{ corner = [-0.6, {y}, 0.6], edges = [[1.2, 0.1, 0], [0, 0, -1.2]] }}\n"
+        )
+    };
+    let text = format!(
+        "[camera]\norigin = [0.3, 2.2, 1.5]\ntarget = [0, 0.2, 0]\n\
+         [film]\nwidth = 37\nheight = 21\n[sky]\nradiance = 0.3\n\
+         [materials.floor]\nkind = \"principled\"\nbase_color = {{ file = \"i.png\", scale = 9 }}\n\
+         roughness = {{ file = \"i.png\" }}\nnormal_map = {{ file = \"i.png\" }}\n\
+         [materials.mask]\nalbedo = {{ file = \"i.png\" }}\nalpha = {{ file = \"i.png\" }}\nalpha_cutoff = 0.5\n\
+         [materials.veil]\nalpha = 0.4\n[materials.lamp]\nalbedo = 0\nemission = {{ file = \"i.png\", factor = 9 }}\n\
+         [[shapes]]\nmaterial = \"floor\"\n\
+         rectangle = {{ corner = [-2, 0, 2], edges = [[4, 0, 0], [0, 0, -4]] }}\n\
+         [[shapes]]\nmaterial = \"floor\"\nsphere = {{ center = [-0.5, 0.3, 0.6], radius = 0.3 }}\n\
+         [[objects.leaf.shapes]]\nmaterial = \"mask\"\n\
+         rectangle = {{ corner = [0, 0, 0], edges = [[0.5, 0, 0], [0, 0.5, 0]] }}\n\
+         [[instances]]\nobject = \"leaf\"\ntransform = [{{ translate = [0.4, 0, 0.7] }}]\n\
+         [[shapes]]\nmaterial = \"lamp\"\n\
+         rectangle = {{ corner = [0.3, 1.6, 0.4], edges = [[0, 0, -0.5], [0.5, 0, 0]] }}\n{}{}",
+        sheet(0.4, "mask"),
+        sheet(0.7, "veil")
+    );
+    let scene = folder.scene_of(&text);
+    let base = Settings {
+        spp: 40,
+        ..settings(Strategy::Mis, Integrator::Path)
+    };
+    assert_identical(&scene, &base);
+    let branching = Settings {
+        spp: 10,
+        split: vec![2, 2],
+        ..base
+    };
+    assert_identical(&scene, &branching);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 mod scene_folder;
 
 use huygens::scene::{Counts, Source};
+use image::{ImageBuffer, Luma, Rgb};
 use scene_folder::{Folder, TRIANGLE};
 use std::sync::atomic::AtomicU64;
 
@@ -124,5 +125,39 @@ fn mistakes_of_the_scene_come_before_those_of_its_files() {
         std::fs::write(folder.path("t.toml"), scene).unwrap();
         let error = folder.error("t.toml");
         assert!(error.contains(expected), "{error}");
+    }
+}
+
+/// What `--max-memory` counts of textures is what is there.
+#[test]
+fn bytes_of_textures_are_foreseen() {
+    let folder = Folder::new();
+    let colours = ImageBuffer::from_fn(257, 130, |x, y| Rgb([x as u8, y as u8, 7]));
+    colours.save(folder.path("colours.png")).unwrap();
+    colours.save(folder.path("photo.jpg")).unwrap();
+    let grey = ImageBuffer::from_fn(31, 5, |x, _| Luma([x as u8]));
+    grey.save(folder.path("grey.png")).unwrap();
+    let deep = ImageBuffer::from_pixel(3, 2, Luma([257u16]));
+    deep.save(folder.path("deep.png")).unwrap();
+    let bright = ImageBuffer::from_pixel(5, 9, Rgb([4.0f32; 3]));
+    bright.save(folder.path("bright.hdr")).unwrap();
+    for file in [
+        "colours.png",
+        "photo.jpg",
+        "grey.png",
+        "deep.png",
+        "bright.hdr",
+    ] {
+        for key in ["albedo", "bump_map"] {
+            let text = format!(
+                "[sky]\nradiance = 1\n[materials.m]\n{key} = {{ file = \"{file}\" }}\n[[shapes]]\n\
+                 material = \"m\"\nrectangle = {{ corner = [0, 0, 0], edges = [[1, 0, 0], [0, 1, 0]] }}\n"
+            );
+            let scene = folder.scene_of(&text);
+            let source = Source::open(&folder.path("s.toml")).unwrap();
+            let foreseen = source.counts().unwrap().texture_bytes;
+            let there: usize = scene.textures.iter().map(|t| t.bytes()).sum();
+            assert_eq!(foreseen, there as u64, "{file} as {key}");
+        }
     }
 }

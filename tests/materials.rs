@@ -195,8 +195,8 @@ fn images_are_read_as_they_are_meant() {
     assert_eq!(metallic.channel, Channel::Green);
     let mask = m.alpha.unwrap();
     assert_eq!(
-        (mask.cutoff, mask.alpha.texture.unwrap().channel),
-        (0.25, Channel::Alpha)
+        (mask.cutoff, mask.opacity.texture.unwrap().channel),
+        (Some(0.25), Channel::Alpha)
     );
     let emission = m.emission.texture.unwrap();
     assert_eq!(m.emission.factor, [10.0; 3]);

@@ -83,6 +83,23 @@ fn many_lights_are_a_thousand() {
     assert_eq!((0..scene.mesh.triangles()).filter(emits).count(), 1000);
 }
 
+/// Every use of images at once, each file read once for each way of understanding it.
+#[test]
+fn textures_are_of_every_kind() {
+    let scene = load("textures.toml");
+    assert_eq!(scene.warnings, Vec::<String>::new());
+    assert_eq!(scene.unsupported(), None);
+    assert_eq!(
+        scene.textures.len(),
+        8,
+        "leaves and glass twice, as colours and as numbers"
+    );
+    let has = |of: fn(&Material) -> bool| scene.materials.iter().any(of);
+    assert!(has(|m| m.emission_varies()) && has(|m| m.normal_map.is_some()));
+    assert!(has(|m| m.alpha.is_some_and(|a| a.cutoff.is_some())));
+    assert!(has(|m| m.alpha.is_some_and(|a| a.cutoff.is_none())));
+}
+
 #[test]
 fn furnace_is_closed_and_faces_inwards() {
     let scene = load("furnace.toml");

@@ -245,7 +245,7 @@ struct Checks;
 
 impl Filter for Checks {
     const ASKS: bool = true;
-    fn accepts(&self, primitive: u32, u: f32, v: f32) -> bool {
+    fn accepts(&self, _: usize, primitive: u32, u: f32, v: f32) -> bool {
         let check = (4.0 * u) as u32 + (4.0 * v) as u32;
         !primitive.is_multiple_of(7) && check.is_multiple_of(2)
     }
@@ -337,5 +337,5 @@ fn solid(scene: &Scene, rays: &RaySet, i: usize, primitive: u32) -> Option<bool>
     if primitive.is_multiple_of(7) {
         return Some(false);
     }
-    (!near(u) && !near(w) && error < 0.1).then(|| Checks.accepts(primitive, u as f32, w as f32))
+    (!near(u) && !near(w) && error < 0.1).then(|| Checks.accepts(0, primitive, u as f32, w as f32))
 }

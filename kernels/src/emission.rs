@@ -9,7 +9,7 @@
 use crate::accumulate::{add, report};
 use crate::cost::{Cost, columns, item};
 use crate::lanes::{Fx, LANES, Ux, as_mask, first, gather, gather_u32, load_u32, padded};
-use crate::light::{Departure, beyond, surface_pdf};
+use crate::light::{Departure, beyond, surface_pdf, varied_emission};
 use crate::mis::power_heuristic;
 use crate::queues::{Listed, OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
 use crate::surface::{self, Surface};
@@ -62,9 +62,9 @@ fn weigh<const MIS: bool>(pdf: Fx, light_pdf: impl FnOnce() -> Fx) -> Fx {
     }
 }
 
-/// Adds the emission of the surfaces that the listed paths hit. `dropped` is called with the slot of
-/// each value that is not finite.
-pub fn surface_emission<const MIS: bool>(
+/// Adds the emission of the surfaces that the listed paths hit, with `IMAGES` as images vary it.
+/// `dropped` is called with the slot of each value that is not finite.
+pub fn surface_emission<const MIS: bool, const IMAGES: bool>(
     listed: Listed,
     tables: &Tables,
     radiance: &mut ColumnsMut,
@@ -79,7 +79,13 @@ pub fn surface_emission<const MIS: bool>(
         let from = Departure::of(&paths, at);
         let light_pdf = || surface_pdf(tables, &from, &surface, t);
         let weight = weigh::<MIS>(gather(paths.pdf, at), light_pdf);
-        let emitted = Vec3x::gather_columns(tables.materials.emission, surface.material);
+        let mut emitted = Vec3x::gather_columns(tables.materials.emission, surface.material);
+        if let Some(images) = tables.images.as_ref().filter(|_| IMAGES) {
+            let (u, v) = (gather(listed.hits.u, at), gather(listed.hits.v, at));
+            let (primitive, material) = (surface.primitive, surface.material);
+            let share = varied_emission(tables, images, primitive, material, emits, u, v);
+            emitted = emitted.product(share);
+        }
         let value = Vec3x::gather_columns(paths.throughput, at).product(emitted) * weight;
         let slot = gather_u32(paths.slot, at);
         report(add(radiance, slot, value, emits), slot, &mut dropped);

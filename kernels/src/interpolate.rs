@@ -75,15 +75,30 @@ pub struct Interpolated {
 }
 
 impl Interpolated {
-    /// The points with barycentric weights `u`, `v` of triangles `primitive`.
+    /// The points with barycentric weights `u`, `v` of triangles `primitive` of the world.
     #[inline]
     #[must_use]
     pub fn at(triangles: &Triangles, attributes: &Attributes, primitive: Ux, u: Fx, v: Fx) -> Self {
         let corners = Corners::gather(triangles, primitive);
         let flat = corners.unit_normal();
         let vertex = gather_rows(triangles.indices, primitive);
-        let (normal, coherence) = mixed_normal(attributes.normals, &vertex, u, v, flat);
-        let (uvs, has) = gather_uvs(attributes.uvs, &vertex);
+        let normals = CornerNormals::gather(attributes.normals, &vertex);
+        let uvs = gather_uvs(attributes.uvs, &vertex);
+        Self::of(&corners, flat, normals.as_ref(), uvs, (u, v))
+    }
+
+    /// The points with barycentric weights `u`, `v` of triangles with these corners, of which `flat` are
+    /// the fronts' unit normals; (u, v) of corners count where all are there.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn of(
+        corners: &Corners,
+        flat: Vec3x,
+        normals: Option<&CornerNormals>,
+        (uvs, has): ([[Fx; 2]; 3], Mask),
+        (u, v): (Fx, Fx),
+    ) -> Self {
+        let (normal, coherence) = mixed_normal(normals, u, v, flat);
         let along = |i: usize| (uvs[1][i] - uvs[0][i], uvs[2][i] - uvs[0][i]);
         let ((du1, du2), (dv1, dv2)) = (along(0), along(1));
         let uv = std::array::from_fn(|i| {
@@ -97,9 +112,10 @@ impl Interpolated {
         let p_v = e2 * du1 - e1 * du2;
         let determinant = du1.mul_sub(dv2, du2 * dv1);
         let regular = has & determinant.abs().simd_gt(Fx::ZERO) & determinant.is_finite();
+        // Below 0 where a copy is mirrored.
         let area = e1.cross(e2).dot(flat);
         let by_area = Fx::ONE / area;
-        let frame = Frame::about(normal, p_u, determinant, regular);
+        let frame = Frame::about(normal, p_u, determinant, area, regular);
         Self {
             normal,
             coherence,
@@ -108,7 +124,7 @@ impl Interpolated {
             bitangent: frame.bitangent,
             gradient_u: (p_v.cross(flat) * (by_area * scale)).keep(regular),
             gradient_v: (flat.cross(p_u) * (by_area * scale)).keep(regular),
-            uv_per_length: regular & ((determinant.abs() * by_area).sqrt() * scale),
+            uv_per_length: regular & ((determinant * by_area).abs().sqrt() * scale),
         }
     }
 
@@ -142,17 +158,19 @@ struct Frame {
 }
 
 impl Frame {
-    /// Along `p_u`, which the sign of `determinant` belongs to, where it is `regular`.
+    /// Along `p_u`, which the sign of `determinant` belongs to, where it is `regular`; turned as the
+    /// signs of `determinant` and `area` say.
     #[inline(always)]
-    fn about(normal: Vec3x, p_u: Vec3x, determinant: Fx, regular: Mask) -> Self {
-        let sign = (determinant & Fx::splat(-0.0)) | Fx::ONE;
+    fn about(normal: Vec3x, p_u: Vec3x, determinant: Fx, area: Fx, regular: Mask) -> Self {
+        let sign_of = |x: Fx| (x & Fx::splat(-0.0)) | Fx::ONE;
+        let sign = sign_of(determinant);
         let along = p_u * sign;
         let along = normal.scale_add(-normal.dot(along), along);
         let length2 = along.dot(along);
         let regular = regular & length2.simd_gt(Fx::ZERO) & length2.is_finite();
         let some = to_world(normal, Vec3x::splat([1.0, 0.0, 0.0]));
         let tangent = Vec3x::select(regular, along * (Fx::ONE / length2.sqrt()), some);
-        let handed = regular.select(sign, Fx::ONE);
+        let handed = regular.select(sign * sign_of(area), Fx::ONE);
         Self {
             tangent,
             bitangent: normal.cross(tangent) * handed,
@@ -160,26 +178,59 @@ impl Frame {
     }
 }
 
+/// Unit normals of three corners, where all three have one.
+pub(crate) struct CornerNormals {
+    at: [Vec3x; 3],
+    some: Mask,
+}
+
+impl CornerNormals {
+    /// Of codes.
+    #[inline(always)]
+    pub(crate) fn decode(code: [Ux; 3]) -> Self {
+        let [a, b, c] = code.map(octahedral::is_some);
+        Self {
+            at: code.map(octahedral::decode),
+            some: a & b & c,
+        }
+    }
+
+    /// As `turn` leaves each of them.
+    #[inline(always)]
+    pub(crate) fn turned(self, turn: impl Fn(Vec3x) -> Vec3x) -> Self {
+        Self {
+            at: self.at.map(turn),
+            ..self
+        }
+    }
+
+    #[inline(always)]
+    fn gather(normals: &[u32], vertex: &[Ux; 3]) -> Option<Self> {
+        if normals.is_empty() {
+            return None;
+        }
+        Some(Self::decode(vertex.map(|vertex| {
+            let vertex = vertex.to_array();
+            Ux::new(std::array::from_fn(|lane| {
+                let stored = normals.get(vertex[lane] as usize);
+                stored.copied().unwrap_or(octahedral::NONE)
+            }))
+        })))
+    }
+}
+
 /// The mixture of three corners' normals on the side of `flat`, of unit length, and its length before
 /// that; or `flat` itself and 1.
 #[inline(always)]
-fn mixed_normal(normals: &[u32], vertex: &[Ux; 3], u: Fx, v: Fx, flat: Vec3x) -> (Vec3x, Fx) {
-    if normals.is_empty() {
+fn mixed_normal(normals: Option<&CornerNormals>, u: Fx, v: Fx, flat: Vec3x) -> (Vec3x, Fx) {
+    let Some(normals) = normals else {
         return (flat, Fx::ONE);
-    }
-    let code = vertex.map(|vertex| {
-        let vertex = vertex.to_array();
-        Ux::new(std::array::from_fn(|lane| {
-            let stored = normals.get(vertex[lane] as usize);
-            stored.copied().unwrap_or(octahedral::NONE)
-        }))
-    });
-    let [a, b, c] = code.map(octahedral::decode);
+    };
+    let [a, b, c] = normals.at;
     let mixed = c.scale_add(v, b.scale_add(u, a * (Fx::ONE - u - v)));
     let facing = Vec3x::select(mixed.dot(flat).simd_lt(Fx::ZERO), -mixed, mixed);
     let length = facing.dot(facing).sqrt();
-    let [a, b, c] = code.map(octahedral::is_some);
-    let sound = a & b & c & length.simd_gt(Fx::ZERO);
+    let sound = normals.some & length.simd_gt(Fx::ZERO);
     let normal = Vec3x::select(sound, facing * (Fx::ONE / length), flat);
     (normal, sound.select(length.fast_min(Fx::ONE), Fx::ONE))
 }

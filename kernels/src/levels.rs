@@ -10,7 +10,7 @@
 //! This is a kernel of its own: worlds of nothing but triangles go through `flight.rs`, `packet.rs`
 //! and `few.rs` and pay nothing for what is here.
 //!
-//! **Masks.** A [`Filter`] is asked about a triangle's hit before it counts; one that it rejects is as
+//! **Opacity.** A [`Filter`] is asked about a triangle's hit before it counts; one that it rejects is as
 //! if it were not there, and the walk goes on from where it is. [`Everything`] is compiled away.
 //!
 //! Input and output: as `traverse.rs`; numbers of hits are global, see [`World`]. Of equally near
@@ -92,9 +92,10 @@ impl<'a> World<'a> {
 pub trait Filter {
     /// Whether there is anything to ask.
     const ASKS: bool;
-    /// Whether the hit of triangle `primitive` at the barycentric weights `u` and `v` of its second
-    /// and third corner counts. The answer must be a function of the arguments.
-    fn accepts(&self, primitive: u32, u: f32, v: f32) -> bool;
+    /// Whether the hit of ray `ray` of the view with triangle `primitive`, at the barycentric weights
+    /// `u` and `v` of its second and third corner, counts. The answer must be a function of the
+    /// arguments.
+    fn accepts(&self, ray: usize, primitive: u32, u: f32, v: f32) -> bool;
 }
 
 /// Every hit counts.
@@ -104,7 +105,7 @@ pub struct Everything;
 impl Filter for Everything {
     const ASKS: bool = false;
     #[inline(always)]
-    fn accepts(&self, _: u32, _: f32, _: f32) -> bool {
+    fn accepts(&self, _: usize, _: u32, _: f32, _: f32) -> bool {
         true
     }
 }
@@ -434,7 +435,7 @@ fn visit<Q: Ask, F: Filter>(slot: &mut Slot<Q::State>, block: &Block, filter: &F
         let counts = Q::wants(&slot.state, primitive, t)
             && primitive != Q::leaves(&slot.state)
             && !Q::spares(&slot.state, primitive);
-        if counts && (!F::ASKS || filter.accepts(primitive, u, v)) {
+        if counts && (!F::ASKS || filter.accepts(slot.id, primitive, u, v)) {
             Q::take(&mut slot.state, primitive, t, || [u, v]);
         }
     }

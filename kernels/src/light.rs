@@ -24,10 +24,12 @@
 mod environment;
 mod punctual;
 mod tree;
+mod varied;
 
 pub use environment::{Environment, UNITS};
 pub use punctual::Punctual;
 pub use tree::{LEAF, NO_LIGHT, Node, Tree};
+pub use varied::{VARIED, emission as varied_emission, vary};
 
 use crate::hemisphere::{sample_sides, to_world, uniform_pdf};
 use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask, gather, gather_u32, to_f32, to_u32};

@@ -2,10 +2,11 @@
 //!
 //! * normals: the unit geometric normal that faces the camera, `(n + 1) / 2`;
 //! * depth: the distance along the ray;
-//! * albedo: the diffuse reflectance.
+//! * albedo: the diffuse reflectance, by its image where it has one.
 
 use crate::accumulate::{add, report};
-use crate::lanes::{Fx, gather, gather_u32};
+use crate::images::{Images, Read};
+use crate::lanes::{Fx, Ux, gather, gather_u32};
 use crate::queues::Listed;
 use crate::surface::Surface;
 use crate::tables::Tables;
@@ -42,9 +43,32 @@ pub fn look(
                 let t = gather(listed.hits.t, at);
                 Vec3x::new(t, t, t)
             }
-            Look::Albedo => Vec3x::gather_columns(tables.materials.albedo, surface.material),
+            Look::Albedo => {
+                let albedo = Vec3x::gather_columns(tables.materials.albedo, surface.material);
+                match &tables.images {
+                    Some(images) => albedo.product(colour(&listed, tables, images, &surface, at)),
+                    None => albedo,
+                }
+            }
         };
         let slot = gather_u32(listed.paths.slot, at);
         report(add(radiance, slot, value, busy), slot, &mut dropped);
     }
+}
+
+/// What images multiply the reflectance with.
+fn colour(listed: &Listed, tables: &Tables, images: &Images, surface: &Surface, at: Ux) -> Vec3x {
+    let column = |column: &[f32]| gather(column, at);
+    let (u, v, t) = (
+        column(listed.hits.u),
+        column(listed.hits.v),
+        column(listed.hits.t),
+    );
+    let width = images.cone.width(t, column(listed.paths.pdf));
+    let read = Read::at(tables, surface.primitive, (u, v), width, || {
+        listed.times(at)
+    });
+    let which = gather_u32(images.albedo, surface.material);
+    let (uv, width) = read.map_or(([Fx::ZERO; 2], Fx::ZERO), |r| (r.point.uv, r.width));
+    images.textures.sample(which, uv, width)
 }

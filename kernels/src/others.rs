@@ -17,7 +17,12 @@
 //! **A point on a sphere** is `c + r n`, off by at most `gamma(5) (|c| + r |n|)`: `n` comes with 4
 //! roundings (`sphere.rs`).
 
+mod interpolate;
+
+pub(crate) use interpolate::coordinates_at;
+
 use crate::instance::{Guide, Instance, OWN_MATERIAL};
+use crate::interpolate::Attributes;
 use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask};
 use crate::motion::{Motion, ROUNDINGS, STILL};
 use crate::sphere::{self, Sphere};
@@ -34,6 +39,17 @@ pub struct Object<'a> {
     pub indices: &'a [[u32; 3]],
     /// Material of each triangle.
     pub material: &'a [u32],
+    /// What vertices carry besides.
+    pub attributes: Attributes<'a>,
+}
+
+/// What a number behind those of the world's triangles means.
+#[derive(Clone, Copy, Debug)]
+pub enum Home<'a> {
+    /// A sphere.
+    Sphere,
+    /// A triangle of an object, by its index there.
+    Object(&'a Object<'a>, usize),
 }
 
 /// All that is no triangle of the world.
@@ -121,6 +137,19 @@ impl Others<'_> {
             }
         });
         (moved, Fx::new(roundings))
+    }
+
+    /// Where what is called `primitive`, and is no triangle of the world, has its tables.
+    ///
+    /// # Panics
+    /// If nothing is called so.
+    #[must_use]
+    pub fn home(&self, primitive: u32) -> Home<'_> {
+        match self.part(primitive) {
+            Part::Triangle(_) => unreachable!("it is one of the world"),
+            Part::Sphere(_) => Home::Sphere,
+            Part::Copy(instance, i) => Home::Object(&self.objects[instance.object as usize], i),
+        }
     }
 
     /// Lanes that hold spheres.
@@ -214,6 +243,57 @@ fn transform(rows: [Vec3x; 3], p: Vec3x, plus: Vec3x) -> Vec3x {
     Vec3x::new(row(x, plus.x), row(y, plus.y), row(z, plus.z))
 }
 
+/// The rows of the instances' maps, a lane each.
+struct Maps {
+    to_world: [Vec3x; 3],
+    to_object: [Vec3x; 3],
+    transposed: [Vec3x; 3],
+    origin: Vec3x,
+}
+
+impl Maps {
+    #[inline(always)]
+    fn gather(maps: &[&Instance; LANES]) -> Self {
+        let of = |entry: &dyn Fn(&Instance) -> f32| Fx::new(maps.map(entry));
+        let row = |m: &dyn Fn(&Instance) -> [f32; 3]| {
+            Vec3x::new(of(&|i| m(i)[0]), of(&|i| m(i)[1]), of(&|i| m(i)[2]))
+        };
+        Self {
+            to_world: [0, 1, 2].map(|k| row(&|i| i.to_world[k])),
+            to_object: [0, 1, 2].map(|k| row(&|i| i.to_object[k])),
+            transposed: [0, 1, 2].map(|k| row(&|i| i.to_object.map(|row| row[k]))),
+            origin: row(&|i| i.origin),
+        }
+    }
+
+    /// A normal of the object in the world, of unit length.
+    #[inline(always)]
+    fn normal(&self, normal: Vec3x) -> Vec3x {
+        let largest = self
+            .to_object
+            .iter()
+            .fold(Fx::ZERO, |m, row| m.fast_max(row.abs().max_component()));
+        // First to entries of about 1, so that no square overflows.
+        let scaled = normal * (Fx::ONE / largest);
+        transform(self.transposed, scaled, Vec3x::splat([0.0; 3])).normalized()
+    }
+}
+
+/// Corners from places of lanes.
+#[inline(always)]
+fn corners_of(corners: &[[[f32; 3]; 3]; LANES]) -> Corners {
+    let vertex = |k: usize| {
+        let column = |axis: usize| Fx::new(std::array::from_fn(|lane| corners[lane][k][axis]));
+        Vec3x::new(column(0), column(1), column(2))
+    };
+    let v0 = vertex(0);
+    Corners {
+        v0,
+        e1: vertex(1) - v0,
+        e2: vertex(2) - v0,
+    }
+}
+
 /// Points on triangles of objects, off by `roundings` times the scale of their error; where `home`,
 /// exactly what they are without others.
 #[inline(always)]
@@ -225,36 +305,18 @@ fn copied(
     v: Fx,
     roundings: Fx,
 ) -> Place {
-    let vertex = |k: usize| {
-        let column = |axis: usize| Fx::new(std::array::from_fn(|lane| corners[lane][k][axis]));
-        Vec3x::new(column(0), column(1), column(2))
-    };
-    let v0 = vertex(0);
-    let corners = Corners {
-        v0,
-        e1: vertex(1) - v0,
-        e2: vertex(2) - v0,
-    };
-    let of = |entry: &dyn Fn(&Instance) -> f32| Fx::new(maps.map(entry));
-    let row = |m: &dyn Fn(&Instance) -> [f32; 3]| {
-        Vec3x::new(of(&|i| m(i)[0]), of(&|i| m(i)[1]), of(&|i| m(i)[2]))
-    };
-    let to_world = [0, 1, 2].map(|k| row(&|i| i.to_world[k]));
-    let to_object = [0, 1, 2].map(|k| row(&|i| i.to_object[k]));
-    let transposed = [0, 1, 2].map(|k| row(&|i| i.to_object.map(|row| row[k])));
-    let origin = row(&|i| i.origin);
-    let zero = Vec3x::splat([0.0; 3]);
-
+    let corners = corners_of(corners);
+    let maps = Maps::gather(maps);
+    let Maps {
+        to_world,
+        to_object,
+        origin,
+        ..
+    } = maps;
     let (p, s) = corners.point(u, v);
     let point = transform(to_world, p, origin);
     let normal = corners.unit_normal();
-    let largest = to_object
-        .iter()
-        .fold(Fx::ZERO, |m, row| m.fast_max(row.abs().max_component()));
-    // First to entries of about 1, so that no square overflows.
-    let scaled = normal * (Fx::ONE / largest);
-    let turned = transform(transposed, scaled, zero).normalized();
-    let outside = Vec3x::select(home, normal, turned);
+    let outside = Vec3x::select(home, normal, maps.normal(normal));
     let seen = transform(to_object.map(Vec3x::abs), (point - origin).abs(), s);
     let error = transform(to_world.map(Vec3x::abs), seen, origin.abs());
     let copy = outside.abs().dot(error) * roundings;

@@ -170,6 +170,14 @@ soa! {
 }
 
 soa! {
+    /// The BSDF parameters of surfaces that read images, row by row of [`Surfaces`]: a material a row.
+    pub struct Textured, TexturedMut {
+        /// As `tables::Materials::parameters`.
+        parameters: Slots,
+    }
+}
+
+soa! {
     /// The uniform numbers that the rows of [`Surfaces`] use.
     pub struct Drawn, DrawnMut {
         /// For the next direction: two, and one that chooses a lobe.

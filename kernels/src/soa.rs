@@ -20,6 +20,8 @@
 //! Every column is made of 32-bit words. A *view* is a struct of slices; the words behind it
 //! belong to whoever owns the queue (`huygens::wave::queue`), so this crate allocates nothing.
 
+use crate::tables::SLOTS;
+
 /// The kind of a column: how many words an item has in it, and what its slices look like.
 pub trait Column {
     /// Shared view.
@@ -43,6 +45,10 @@ pub struct U32;
 /// Three columns of `f32`: x, y, z or red, green, blue.
 #[derive(Clone, Copy, Debug)]
 pub struct Vec3;
+
+/// As many columns of `f32` as a BSDF has parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct Slots;
 
 const ENOUGH: &str = "as many columns as the layout declares";
 
@@ -92,6 +98,20 @@ impl Column for Vec3 {
     }
 }
 
+impl Column for Slots {
+    type Ref<'a> = [&'a [f32]; SLOTS];
+    type Mut<'a> = [&'a mut [f32]; SLOTS];
+    const WORDS: usize = SLOTS;
+    #[inline(always)]
+    fn view<'a>(words: &mut impl Iterator<Item = &'a [u32]>) -> Self::Ref<'a> {
+        std::array::from_fn(|_| F32::view(words))
+    }
+    #[inline(always)]
+    fn view_mut<'a>(words: &mut impl Iterator<Item = &'a mut [u32]>) -> Self::Mut<'a> {
+        std::array::from_fn(|_| F32::view_mut(words))
+    }
+}
+
 /// A set of columns, as [`soa!`](macro@crate::soa) declares it.
 pub trait Layout {
     /// Shared view of all columns.
@@ -109,7 +129,8 @@ pub trait Layout {
 }
 
 /// Declares a queue's columns: `struct View, ViewMut { name: Kind, … }` with kinds
-/// [`F32`](crate::soa::F32), [`U32`](crate::soa::U32) and [`Vec3`](crate::soa::Vec3). The second
+/// [`F32`](crate::soa::F32), [`U32`](crate::soa::U32), [`Vec3`](crate::soa::Vec3) and
+/// [`Slots`](crate::soa::Slots). The second
 /// struct is the [`Layout`](crate::soa::Layout) by which an owner names the queue.
 #[macro_export]
 macro_rules! soa {

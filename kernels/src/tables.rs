@@ -1,5 +1,6 @@
 //! The scene as kernels see it: slices of tables.
 
+use crate::images::Images;
 use crate::interpolate::Attributes;
 use crate::lanes::{Fx, Ux, gather};
 use crate::light::{Environment, Punctual, Tree};
@@ -19,10 +20,12 @@ pub struct Tables<'a> {
     pub materials: Materials<'a>,
     /// Lights.
     pub lights: Lights<'a>,
-    /// What vertices carry besides, where some surfaces are interpolated.
+    /// What vertices carry besides, where some surfaces are interpolated or read images.
     pub attributes: Option<Attributes<'a>>,
     /// Media, where the scene has any.
     pub media: Option<Media<'a>>,
+    /// What materials read of images, where some do.
+    pub images: Option<Images<'a>>,
 }
 
 /// Triangle tables, world space.

@@ -154,6 +154,14 @@ fn sample(texture: Texture, read: TextureUse, uv: [f32; 2], width: f32) -> [f32;
     value.lane(LANES - 1)
 }
 
+fn number(texture: Texture, read: TextureUse, uv: [f32; 2]) -> f32 {
+    let textures = Textures {
+        textures: &[texture],
+        uses: &[read],
+    };
+    textures.number(0, uv)
+}
+
 #[test]
 fn bytes_are_decoded_to_the_nearest_float() {
     for byte in 0..256 {
@@ -206,6 +214,8 @@ proptest! {
             let error = (f64::from(found[c]) - expected[c]).abs();
             prop_assert!(error <= bound, "{found:?} {expected:?}");
         }
+        let [first, ..] = sample(texture, read, uv, 0.0);
+        prop_assert_eq!(number(texture, read, uv).to_bits(), first.to_bits());
     }
 }
 
@@ -300,6 +310,8 @@ fn odd_coordinates_stay_within_the_image() {
                         let [x, ..] = sample(texture, read, [u, v], width);
                         assert!((0.0..=43.0).contains(&x), "{u} {v} {width}: {x}");
                     }
+                    let [x, ..] = sample(texture, read, [u, v], 0.0);
+                    assert_eq!(number(texture, read, [u, v]), x, "{u} {v}");
                 }
             }
         }

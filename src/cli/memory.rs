@@ -54,6 +54,7 @@ fn moments(counts: Counts, preset: Preset, size: (u32, u32)) -> [Moment; 2] {
     let places = [
         ("spheres", counts.spheres.saturating_mul(SPHERE)),
         ("instances", counts.instances.saturating_mul(INSTANCE)),
+        ("textures", counts.texture_bytes),
     ];
     let mesh: Moment = mesh
         .into_iter()

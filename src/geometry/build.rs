@@ -23,7 +23,9 @@ const CUTS: f32 = 1.0;
 /// Reinsertion walks the tree with a stack of 192 entries that panics when it is full. Trees start
 /// at 30 to 60 levels for millions of triangles and hardly grow; one that is this deep already
 /// comes from boxes that reinsertion could not improve.
-const DEEP: usize = 96;
+const DEEP: u32 = 96;
+/// Levels whose nodes are looked through in parallel.
+const FORK: u32 = 8;
 /// Areas of boxes beyond this size overflow: there is no surface area heuristic, and reinsertion
 /// panics on a NaN. Clustering takes whatever comes.
 const HUGE: f32 = 1e18;
@@ -42,22 +44,19 @@ pub(super) struct Binary {
 impl Binary {
     /// The tree over all triangles of `mesh` that are finite; none if there are no such triangles.
     pub(super) fn build(mesh: &Mesh, preset: Preset) -> Option<Self> {
+        let (largest, all_finite) = extremes(&mesh.vertices);
         // A scene promises finite vertices. Should one slip through, its triangles are left out
         // rather than let spoil every comparison of areas.
-        let kept: Vec<u32> = (0..mesh.triangles() as u32)
-            .into_par_iter()
-            .filter(|&i| is_finite(&bounds(mesh, i as usize)))
-            .collect();
+        let all = (0..mesh.triangles() as u32).into_par_iter();
+        let kept: Vec<u32> = if all_finite {
+            all.collect()
+        } else {
+            all.filter(|&i| is_finite(&bounds(mesh, i as usize)))
+                .collect()
+        };
         if kept.is_empty() {
             return None;
         }
-        let largest = mesh
-            .vertices
-            .par_iter()
-            .flatten_iter()
-            .map(|c| c.abs())
-            .filter(|c| c.is_finite())
-            .reduce(|| 0.0, f32::max);
         if largest >= HUGE {
             return Some(Self::cluster(mesh, &kept));
         }
@@ -94,16 +93,38 @@ impl Binary {
 
     /// Improves the tree where it can.
     fn reinsert(mut self, share: f32) -> Self {
-        if depth(&self.nodes) < DEEP {
+        if depth(&self.nodes, 0, 1) < DEEP {
+            // obvhs' own passes, over fewer and fewer nodes, look for these at the front of a list in
+            // breadth-first order, into which the whole tree would have to be brought. So it is told.
+            let most = (self.nodes.len() as f32 * share) as usize;
+            let front = breadth_first(&self.nodes, 2 * most + 1);
             let mut tree = Bvh2 {
-                nodes: breadth_first(&self.nodes),
+                nodes: self.nodes,
                 ..Bvh2::default()
             };
-            ReinsertionOptimizer::default().run(&mut tree, share, None);
+            let mut optimizer = ReinsertionOptimizer::default();
+            for part in (1..32).step_by(2) {
+                let candidates = largest(&tree.nodes, &front, (most / part).max(1));
+                optimizer.run_with_candidates(&mut tree, &candidates, 1);
+            }
             self.nodes = tree.nodes;
         }
         self
     }
+}
+
+/// The largest finite coordinate without its sign, and whether all are finite.
+fn extremes(vertices: &[[f32; 3]]) -> (f32, bool) {
+    let coordinates = vertices.par_iter().flatten_iter().map(|c| c.abs());
+    coordinates
+        .map(|c| {
+            if c.is_finite() {
+                (c, true)
+            } else {
+                (0.0, false)
+            }
+        })
+        .reduce(|| (0.0, true), |a, b| (a.0.max(b.0), a.1 & b.1))
 }
 
 fn is_finite(aabb: &Aabb) -> bool {
@@ -119,32 +140,49 @@ fn bounds(mesh: &Mesh, i: usize) -> Aabb {
     Aabb::new(a.min(b).min(c), a.max(b).max(c))
 }
 
-/// The same tree with the nodes of a level before those of the next: reinsertion looks for
-/// candidates at the front of the list, and means large nodes.
-fn breadth_first(nodes: &[Bvh2Node]) -> Vec<Bvh2Node> {
-    let mut sorted = Vec::with_capacity(nodes.len());
-    sorted.push(nodes[0]);
+/// The first nodes below the root, level by level, `most` of them if there are so many.
+fn breadth_first(nodes: &[Bvh2Node], most: usize) -> Vec<u32> {
+    let mut front = Vec::with_capacity(most + 2);
+    let children = |node: u32| {
+        let node = &nodes[node as usize];
+        (!node.is_leaf()).then(|| [node.first_index, node.first_index + 1])
+    };
+    front.extend(children(0).into_iter().flatten());
     let mut next = 0;
-    while next < sorted.len() {
-        let first = sorted[next].first_index as usize;
-        if !sorted[next].is_leaf() {
-            sorted[next].first_index = sorted.len() as u32;
-            sorted.extend([nodes[first], nodes[first + 1]]);
-        }
+    while next < front.len() && front.len() < most {
+        front.extend(children(front[next]).into_iter().flatten());
         next += 1;
     }
-    sorted
+    front
 }
 
-/// Nodes on the longest path from the root; children must come after their parents.
-fn depth(nodes: &[Bvh2Node]) -> usize {
-    let mut depth = vec![1u32; nodes.len()];
-    for i in 0..nodes.len() {
-        if !nodes[i].is_leaf() {
-            let first = nodes[i].first_index as usize;
-            depth[first] = depth[i] + 1;
-            depth[first + 1] = depth[i] + 1;
-        }
+/// Of twice as many nodes at the front of a list the `most` that have the largest boxes, by falling
+/// area.
+fn largest(nodes: &[Bvh2Node], front: &[u32], most: usize) -> Vec<u32> {
+    // Areas are not negative, so their bits are in their order.
+    let key = |(i, &node): (usize, &u32)| {
+        let area = nodes[node as usize].aabb().half_area();
+        u64::from(!area.to_bits()) << 32 | i as u64
+    };
+    let front = &front[..front.len().min(2 * most + 1)];
+    let mut keys: Vec<u64> = front.par_iter().enumerate().map(key).collect();
+    keys.par_sort_unstable();
+    keys.truncate(most);
+    let node = |key: u64| front[key as u32 as usize];
+    keys.into_iter().map(node).collect()
+}
+
+/// Nodes on the longest path from the root, if `node` is the one numbered `level` on its own path.
+fn depth(nodes: &[Bvh2Node], node: u32, level: u32) -> u32 {
+    let first = nodes[node as usize].first_index;
+    if nodes[node as usize].is_leaf() {
+        return level;
     }
-    depth.into_iter().max().unwrap_or(0) as usize
+    let below = |node: u32| depth(nodes, node, level + 1);
+    let (low, high) = if level <= FORK {
+        rayon::join(|| below(first), || below(first + 1))
+    } else {
+        (below(first), below(first + 1))
+    };
+    low.max(high)
 }

@@ -96,13 +96,13 @@ impl<'a> Collapse<'a> {
 
     /// Expected cost of a ray that meets the root's box.
     pub(super) fn sah_cost(&self) -> f32 {
-        let area = self.nodes()[0].aabb.half_area();
+        let area = self.nodes()[0].aabb().half_area();
         if area > 0.0 { self.cost / area } else { 0.0 }
     }
 
     fn solve(&self, node: u32, depth: u32) -> Subtree {
         let binary = &self.nodes()[node as usize];
-        let area = binary.aabb.half_area();
+        let area = binary.aabb().half_area();
         if binary.is_leaf() {
             return Subtree {
                 costs: [area * BLOCK_COST; WIDTH - 1],
@@ -122,9 +122,9 @@ impl<'a> Collapse<'a> {
                 self.solve(first + 1, depth + 1),
             )
         };
-        let children = [first, first + 1].map(|i| self.nodes()[i as usize].aabb);
+        let children = [first, first + 1].map(|i| *self.nodes()[i as usize].aabb());
         debug_assert_eq!(
-            binary.aabb,
+            *binary.aabb(),
             children[0].union(&children[1]),
             "boxes are tight"
         );
@@ -167,7 +167,7 @@ impl<'a> Collapse<'a> {
 
     /// The box of `node`.
     pub(super) fn aabb(&self, node: u32) -> &'a Aabb {
-        &self.nodes()[node as usize].aabb
+        self.nodes()[node as usize].aabb()
     }
 
     /// The nodes that become children of `node` as a wide node, left to right: one to eight.

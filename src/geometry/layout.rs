@@ -1,17 +1,19 @@
-//! The tables that the kernels read, written from the collapsed tree.
+//! The tables that the kernels read, planned from the collapsed tree; `tables` writes them.
 //!
 //! Below a small top, nodes are numbered depth first, the children of a node side by side, and so are
 //! the blocks of its leaves: what a ray visits next is often in the page, and sometimes in the line, that it has
 //! just read.
 
+mod tables;
+
 use super::collapse::{BLOCK_COST, Collapse, MAX_LEAF, NODE_COST};
-use super::pages;
 use crate::scene::Mesh;
 use glam::Vec3A;
-use huygens_kernels::bvh::{BLOCK, Block, LEAF, MAX_DEPTH, NOTHING, Node, WIDTH, index, leaf};
+use huygens_kernels::bvh::{BLOCK, Block, MAX_DEPTH, Node, WIDTH, leaf};
 use obvhs::aabb::Aabb;
 use rayon::prelude::*;
 use std::collections::VecDeque;
+use std::ops::Range;
 
 /// From this depth on a subtree is no longer laid out as the collapse would have it, but cut into
 /// eight equal runs again and again. That adds 10 levels at most (4 * 8^10 is the number of
@@ -34,18 +36,19 @@ pub(super) struct Layout {
     pub(super) sah: f64,
 }
 
-/// A wide node still to be written.
+/// A wide node still to be planned.
 struct Pending {
     index: u32,
     depth: usize,
     what: What,
 }
 
+#[derive(Clone, Copy)]
 enum What {
     /// A node of the binary tree.
     Tree(u32),
-    /// A run of triangles to be cut evenly.
-    Run(Vec<u32>),
+    /// A run of triangles to be cut evenly, by its number in the part.
+    Run(u32),
 }
 
 /// One child of a wide node.
@@ -55,26 +58,35 @@ struct Child {
     is_leaf: bool,
 }
 
-/// Tables under construction: those of the top of the tree, or of a subtree.
+/// A run of triangles, and the box around them.
+struct Run {
+    aabb: Aabb,
+    triangles: Vec<u32>,
+}
+
+/// What the tables will hold: those of the top of the tree, or of a subtree. References count from
+/// the part's own first node and block.
 #[derive(Default)]
 struct Part {
-    nodes: Vec<Node>,
-    blocks: Vec<Block>,
+    /// For each node where its children are in `children`.
+    nodes: Vec<Range<usize>>,
+    children: Vec<(What, u32)>,
+    runs: Vec<Run>,
+    blocks: usize,
     depth: usize,
-    triangles: usize,
     /// Sum over what the nodes hold of area times cost.
     cost: f64,
 }
 
 impl Layout {
-    /// Writes the tables of a tree that is not empty, on the current rayon pool: first the top,
-    /// breadth first, then the subtrees below it, each by a task.
+    /// Writes the tables of a tree that is not empty, on the current rayon pool: plans the top,
+    /// breadth first, and the subtrees below it, each by a task, and then has each write its share.
     ///
     /// # Panics
     /// If there are more triangles than references can tell apart (about 2^31).
     pub(super) fn new(mesh: &Mesh, collapse: &Collapse) -> Self {
         let mut top = Part::default();
-        top.nodes.push(Node::EMPTY);
+        top.nodes.push(0..0);
         let mut pending = VecDeque::from([Pending {
             index: 0,
             depth: 1,
@@ -85,33 +97,49 @@ impl Layout {
             let Some(next) = pending.pop_front() else {
                 break;
             };
-            top.write(mesh, collapse, next, |below| pending.push_back(below));
+            top.plan(mesh, collapse, next, |below| pending.push_back(below));
         }
         let subtrees: Vec<(u32, Part)> = pending
             .into_par_iter()
-            .map(|root| (root.index, Part::below(mesh, collapse, root)))
+            .map(|root| (root.index, top.below(mesh, collapse, &root)))
             .collect();
-        top.join(subtrees, f64::from(collapse.aabb(0).half_area()))
+        tables::write(mesh, collapse, &top, &subtrees)
     }
 }
 
 impl Part {
-    /// The subtree below a node, which is the first of the part.
-    fn below(mesh: &Mesh, collapse: &Collapse, root: Pending) -> Self {
+    /// The subtree below a node of this part, which is the first of the new part.
+    fn below(&self, mesh: &Mesh, collapse: &Collapse, root: &Pending) -> Self {
         let mut part = Self::default();
-        part.nodes.push(Node::EMPTY);
-        let mut pending = vec![Pending { index: 0, ..root }];
+        part.nodes.push(0..0);
+        let what = match root.what {
+            What::Run(run) => part.push_run(Run {
+                aabb: self.runs[run as usize].aabb,
+                triangles: self.runs[run as usize].triangles.clone(),
+            }),
+            tree @ What::Tree(_) => tree,
+        };
+        let mut pending = vec![Pending {
+            index: 0,
+            depth: root.depth,
+            what,
+        }];
         while let Some(next) = pending.pop() {
             let from = pending.len();
-            part.write(mesh, collapse, next, |below| pending.push(below));
-            // The first child is written next.
+            part.plan(mesh, collapse, next, |below| pending.push(below));
+            // The first child is planned next.
             pending[from..].reverse();
         }
         part
     }
 
-    /// Fills a node, and names the nodes below it that are to be filled.
-    fn write(
+    fn push_run(&mut self, run: Run) -> What {
+        self.runs.push(run);
+        What::Run(self.runs.len() as u32 - 1)
+    }
+
+    /// Chooses what a node holds, and names the nodes below it that are to be planned.
+    fn plan(
         &mut self,
         mesh: &Mesh,
         collapse: &Collapse,
@@ -119,25 +147,21 @@ impl Part {
         mut below: impl FnMut(Pending),
     ) {
         self.depth = self.depth.max(depth);
-        let mut children = if depth >= BALANCE_FROM {
-            evenly(mesh, collapse, what)
-        } else {
-            as_collapsed(collapse, &what)
+        let mut children = match what {
+            What::Tree(node) if depth < BALANCE_FROM => as_collapsed(collapse, node),
+            _ => self.evenly(mesh, collapse, what),
         };
         // An occlusion query visits the highest slot first. A ray that enters a small box is more
         // likely to end there, and sooner, than in a large one.
         let area = |child: &Child| child.aabb.half_area();
         children.sort_by(|a, b| area(b).total_cmp(&area(a)));
-        let mut triangles = Vec::with_capacity(MAX_LEAF);
-        for (slot, child) in children.into_iter().enumerate() {
+        let first = self.children.len();
+        for child in children {
             let area = f64::from(child.aabb.half_area());
             let reference = if child.is_leaf {
-                match child.what {
-                    What::Tree(node) => collapse.triangles(node, &mut triangles),
-                    What::Run(run) => triangles = run,
-                }
                 self.cost += area * f64::from(BLOCK_COST);
-                self.push_leaf(mesh, &triangles)
+                self.blocks += 1;
+                leaf(self.blocks - 1)
             } else {
                 self.cost += area * f64::from(NODE_COST);
                 let index = self.nodes.len() as u32;
@@ -146,71 +170,47 @@ impl Part {
                     depth: depth + 1,
                     what: child.what,
                 });
-                self.nodes.push(Node::EMPTY);
+                self.nodes.push(0..0);
                 index
             };
-            let (min, max) = (child.aabb.min.to_array(), child.aabb.max.to_array());
-            self.nodes[index as usize].set(slot, min, max, reference);
+            self.children.push((child.what, reference));
         }
+        self.nodes[index as usize] = first..self.children.len();
     }
 
-    /// Writes the block of a leaf and returns its reference.
-    fn push_leaf(&mut self, mesh: &Mesh, triangles: &[u32]) -> u32 {
-        let row = |i: u32| (i, mesh.corners(i as usize));
-        let mut rows = [row(triangles[0]); BLOCK];
-        for (to, &from) in rows.iter_mut().zip(triangles) {
-            *to = row(from);
-        }
-        self.blocks.push(Block::new(&rows[..triangles.len()]));
-        self.triangles += triangles.len();
-        leaf(self.blocks.len() - 1)
-    }
-
-    /// The whole of the top and its subtrees, each to hang at the node named with it.
-    fn join(self, subtrees: Vec<(u32, Self)>, root_area: f64) -> Layout {
-        let parts = || subtrees.iter().map(|(_, part)| part);
-        let nodes = parts().map(|p| p.nodes.len() - 1).sum::<usize>() + self.nodes.len();
-        let blocks = parts().map(|p| p.blocks.len()).sum::<usize>() + self.blocks.len();
-        let mut out = Layout {
-            nodes: pages::table(nodes),
-            blocks: pages::table(blocks),
-            depth: parts().map(|p| p.depth).fold(self.depth, usize::max),
-            triangles: parts().map(|p| p.triangles).sum::<usize>() + self.triangles,
-            sah: f64::from(NODE_COST),
+    /// Eight equal runs of the triangles below, in the order of the tree.
+    fn evenly(&mut self, mesh: &Mesh, collapse: &Collapse, what: What) -> Vec<Child> {
+        let run = match what {
+            What::Run(run) => std::mem::take(&mut self.runs[run as usize].triangles),
+            What::Tree(node) => {
+                let mut run = Vec::new();
+                collapse.triangles(node, &mut run);
+                run
+            }
         };
-        assert!(out.depth <= MAX_DEPTH, "the depth of a tree is bounded");
-        let cost = parts().map(|p| p.cost).sum::<f64>() + self.cost;
-        if root_area > 0.0 {
-            out.sah += cost / root_area;
-        }
-        out.nodes.extend(self.nodes);
-        out.blocks.extend(self.blocks);
-        for (at, part) in subtrees {
-            // The part's own first node goes to where it hangs, its second comes next.
-            let (first_node, first_block) = (out.nodes.len() as u32 - 1, out.blocks.len());
-            let moved = |mut node: Node| {
-                for child in node.child.as_mut_array() {
-                    *child = match *child {
-                        NOTHING => NOTHING,
-                        c if c & LEAF != 0 => leaf(first_block + index(c)),
-                        c => first_node + c,
-                    };
+        run.chunks(run.len().div_ceil(WIDTH).max(BLOCK))
+            .map(|run| {
+                let points = run.iter().flat_map(|&i| mesh.corners(i as usize));
+                let aabb = points.fold(Aabb::INVALID, |b, p| {
+                    let p = Vec3A::from_array(p);
+                    Aabb::new(b.min.min(p), b.max.max(p))
+                });
+                let what = self.push_run(Run {
+                    aabb,
+                    triangles: run.to_vec(),
+                });
+                Child {
+                    aabb,
+                    what,
+                    is_leaf: run.len() <= MAX_LEAF,
                 }
-                node
-            };
-            out.nodes[at as usize] = moved(part.nodes[0]);
-            out.nodes.extend(part.nodes[1..].iter().map(|&n| moved(n)));
-            out.blocks.extend(part.blocks);
-        }
-        out
+            })
+            .collect()
     }
 }
 
 /// The children that the collapse has chosen.
-fn as_collapsed(collapse: &Collapse, what: &What) -> Vec<Child> {
-    let What::Tree(node) = *what else {
-        unreachable!("runs begin at BALANCE_FROM");
-    };
+fn as_collapsed(collapse: &Collapse, node: u32) -> Vec<Child> {
     let mut nodes = Vec::with_capacity(WIDTH);
     collapse.children(node, &mut nodes);
     let child = |&node: &u32| Child {
@@ -219,29 +219,4 @@ fn as_collapsed(collapse: &Collapse, what: &What) -> Vec<Child> {
         is_leaf: collapse.is_leaf(node),
     };
     nodes.iter().map(child).collect()
-}
-
-/// Eight equal runs of the triangles below, in the order of the tree.
-fn evenly(mesh: &Mesh, collapse: &Collapse, what: What) -> Vec<Child> {
-    let run = match what {
-        What::Run(run) => run,
-        What::Tree(node) => {
-            let mut run = Vec::new();
-            collapse.triangles(node, &mut run);
-            run
-        }
-    };
-    run.chunks(run.len().div_ceil(WIDTH).max(BLOCK))
-        .map(|run| Child {
-            aabb: run
-                .iter()
-                .flat_map(|&i| mesh.corners(i as usize))
-                .fold(Aabb::INVALID, |b, p| {
-                    let p = Vec3A::from_array(p);
-                    Aabb::new(b.min.min(p), b.max.max(p))
-                }),
-            what: What::Run(run.to_vec()),
-            is_leaf: run.len() <= MAX_LEAF,
-        })
-        .collect()
 }

@@ -158,6 +158,22 @@ impl Geometry {
         levels::occluded_at::<IN_FLIGHT>(&world, &Everything, times, segments, occluded);
     }
 
+    /// [`Geometry::closest_where`] where instances move: ray `i` lives at `times[i]`.
+    pub fn closest_where_at(&self, filter: &impl Filter, times: &[f32], rays: Rays, hits: Hits) {
+        levels::closest_at::<IN_FLIGHT>(&self.levels(), filter, times, rays, hits);
+    }
+
+    /// [`Geometry::occluded_where`] where instances move: segment `i` lives at `times[i]`.
+    pub fn occluded_where_at(
+        &self,
+        filter: &impl Filter,
+        times: &[f32],
+        segments: Segments,
+        occluded: &mut [u32],
+    ) {
+        levels::occluded_at::<IN_FLIGHT>(&self.levels(), filter, times, segments, occluded);
+    }
+
     /// How instances move, those that do.
     #[must_use]
     pub fn motions(&self) -> &[Motion] {

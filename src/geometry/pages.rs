@@ -1,23 +1,26 @@
 //! Large pages for large tables.
 
+use bytemuck::Zeroable;
+
 /// Smallest table for which large pages are asked: below, the translation look-aside buffers hold
 /// all of it anyway.
 const WORTH_IT: usize = 8 << 20;
 
-/// An empty table for `len` elements, where the system grants it on pages of 2 MiB. A ray that jumps
+/// A table of `len` elements of zeros, where the system grants it on pages of 2 MiB. A ray that jumps
 /// through hundreds of megabytes then finds the address of nearly every node without walking the
-/// page table.
-pub(super) fn table<T: Copy>(len: usize) -> Vec<T> {
-    let mut table = Vec::with_capacity(len);
+/// page table, and a build asks the system for memory a thousandth as often.
+pub(super) fn zeroed<T: Zeroable>(len: usize) -> Vec<T> {
+    // Large allocations come from the system as zeros that nobody has touched yet, and pages are made
+    // when they are touched.
+    let mut table = bytemuck::zeroed_vec(len);
     if len * size_of::<T>() >= WORTH_IT {
-        // Before the first write: pages are made when they are touched.
-        ask_for_large(table.spare_capacity_mut());
+        ask_for_large(&mut table);
     }
     table
 }
 
 /// A hint: where it cannot be followed, nothing changes.
-fn ask_for_large<T>(memory: &mut [std::mem::MaybeUninit<T>]) {
+fn ask_for_large<T>(memory: &mut [T]) {
     #[cfg(target_os = "linux")]
     {
         const PAGE: usize = 4096;
@@ -28,7 +31,7 @@ fn ask_for_large<T>(memory: &mut [std::mem::MaybeUninit<T>]) {
             let skipped = start - range.start as usize;
             let start = range.start.wrapping_byte_add(skipped);
             // SAFETY: the whole pages from `start` to `end` lie in `memory`, which is borrowed
-            // mutably and holds nothing yet; this advice does not change what memory contains.
+            // mutably; this advice does not change what memory contains.
             unsafe {
                 libc::madvise(start.cast(), end - start as usize, libc::MADV_HUGEPAGE);
             }

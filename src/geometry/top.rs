@@ -85,7 +85,7 @@ impl<'a, L: FnMut(&[u32]) -> u32> Top<'a, L> {
 
     fn aabb(&self, what: &What) -> Aabb {
         match what {
-            What::Tree(node) => self.binary[*node as usize].aabb,
+            What::Tree(node) => *self.binary[*node as usize].aabb(),
             What::Run(run) => run.iter().fold(Aabb::INVALID, |aabb, &i| {
                 aabb.union(&self.items[i as usize].aabb)
             }),
@@ -118,7 +118,7 @@ impl<'a, L: FnMut(&[u32]) -> u32> Top<'a, L> {
         };
         let mut open = vec![node];
         while open.len() < WIDTH {
-            let area = |node: u32| self.binary[node as usize].aabb.half_area();
+            let area = |node: u32| self.binary[node as usize].aabb().half_area();
             let largest = (0..open.len())
                 .filter(|&i| !self.is_leaf(open[i]))
                 .max_by(|&i, &j| area(open[i]).total_cmp(&area(open[j])));

@@ -4,7 +4,7 @@ use super::Reference;
 use super::bsdf::Reader;
 use super::fog::{Fog, anywhere};
 use super::random::uniform;
-use super::surface::{Frame, Point};
+use super::surface::Frame;
 use super::world::{Hit, Ray};
 use crate::scene::Bsdf;
 use glam::DVec3;
@@ -22,7 +22,7 @@ struct Next {
 impl Reference<'_> {
     /// What `ray` sees; `lit` if what surfaces emit is not to be seen.
     pub(super) fn radiance(&self, rng: &mut impl Rng, ray: &Ray, depth: u32, lit: bool) -> DVec3 {
-        let hit = self.world.closest(ray);
+        let hit = self.world.closest(rng, ray);
         let Some(fog) = &self.fog else {
             return self.met(rng, ray, hit, depth, lit);
         };
@@ -38,7 +38,7 @@ impl Reference<'_> {
     fn in_fog(&self, rng: &mut impl Rng, fog: &Fog, ray: &Ray, t: f64, depth: u32) -> DVec3 {
         let origin = ray.origin + t * ray.direction;
         let phase = |to: DVec3| fog.phase(ray.direction.dot(to));
-        let delta = self.delta_lights(origin, |to| DVec3::splat(phase(to)), None);
+        let delta = self.delta_lights(rng, origin, |to| DVec3::splat(phase(to)), None);
         let direction = anywhere(rng);
         let next = Ray {
             origin,
@@ -83,37 +83,36 @@ impl Reference<'_> {
         let origin = ray.origin + hit.t * ray.direction;
         let (outside, worn) = self.world.surface(hit.surface, origin);
         let front = ray.direction.dot(outside) < 0.0;
-        let part = self.part(rng, hit, worn);
-        // Copies and spheres have neither images nor interpolated normals.
-        let own = hit.surface < scene.mesh.triangles();
+        let part = self.part(rng, hit, outside, worn);
         let met = &scene.materials[part as usize];
-        let point = own.then(|| Point::new(scene, hit.surface, hit.weights, outside, met));
+        let point = self.world.point(hit, outside, met);
         let read = Reader {
-            point: point.as_ref().map(|point| (scene, point)),
+            point: Some((scene, &point)),
         };
-        let emitted = self.world.emitted(hit.surface, hit.weights, front);
+        let emitted = self.world.emitted(hit, outside, front);
         if depth >= self.manner.max_depth {
             return (DVec3::ZERO, emitted, None);
         }
         let normal = if front { outside } else { -outside };
-        let shading = match &point {
-            Some(point) => point.towards(front, normal, -ray.direction),
-            None => normal,
-        };
+        let shading = point.towards(front, normal, -ray.direction);
         let frame = Frame::about(shading);
         let omega_o = frame.local(-ray.direction);
         let bsdf = self.materials[part as usize].bsdf(&read, omega_o, front);
         // What becomes of light where triangles are dark, and on the wrong side of either normal.
-        let factor = |omega_i: DVec3, cos: f64| match &point {
-            _ if cos * omega_i.dot(normal) <= 0.0 => 0.0,
-            Some(point) if bsdf.is_diffuse() => point.terminator(shading, normal, omega_i),
-            _ => 1.0,
+        let factor = |omega_i: DVec3, cos: f64| {
+            if cos * omega_i.dot(normal) <= 0.0 {
+                0.0
+            } else if bsdf.is_diffuse() {
+                point.terminator(shading, normal, omega_i)
+            } else {
+                1.0
+            }
         };
         let response = |omega_i: DVec3| {
             let local = frame.local(omega_i);
             factor(omega_i, local.z) * bsdf.evaluate(omega_o, local)
         };
-        let mut seen = self.delta_lights(origin, response, Some(hit.surface));
+        let mut seen = self.delta_lights(rng, origin, response, Some(hit.surface));
         let lit = self.manner.samples_lights && bsdf.is_diffuse();
         if lit {
             seen += self.emitters(rng, origin, response, hit.surface);
@@ -134,7 +133,7 @@ impl Reference<'_> {
     }
 
     /// The material that a path meets of `worn`: of a mixture, one of its parts.
-    fn part(&self, rng: &mut impl Rng, hit: &Hit, mut worn: u32) -> u32 {
+    fn part(&self, rng: &mut impl Rng, hit: &Hit, outside: DVec3, mut worn: u32) -> u32 {
         let scene = self.world.scene;
         while let Bsdf::Mix {
             first,
@@ -142,7 +141,7 @@ impl Reference<'_> {
             amount,
         } = &scene.materials[worn as usize].bsdf
         {
-            let share = self.world.number(hit, amount);
+            let share = self.world.number(hit, outside, amount);
             worn = if uniform(rng) < share {
                 *second
             } else {
@@ -166,7 +165,12 @@ impl Reference<'_> {
             let to = drawn.point - origin;
             let direction = to.normalize();
             let facing = -direction.dot(drawn.outside);
-            let radiance = self.world.emitted(emitter, drawn.weights, facing > 0.0);
+            let there = Hit {
+                surface: emitter,
+                t: 0.0,
+                weights: drawn.weights,
+            };
+            let radiance = self.world.emitted(&there, drawn.outside, facing > 0.0);
             let response = response(direction);
             if emitter == leaves || radiance * response == DVec3::ZERO {
                 continue;
@@ -176,7 +180,7 @@ impl Reference<'_> {
                 direction,
                 leaves: Some(leaves),
             };
-            let met = self.world.closest(&ray);
+            let met = self.world.closest(rng, &ray);
             // Of a round emitter, the near side.
             let reached = met.is_some_and(|hit| {
                 hit.surface == emitter && (hit.t / to.length() - 1.0).abs() < 1e-6
@@ -193,6 +197,7 @@ impl Reference<'_> {
     /// the fog.
     fn delta_lights(
         &self,
+        rng: &mut impl Rng,
         origin: DVec3,
         response: impl Fn(DVec3) -> DVec3,
         leaves: Option<usize>,
@@ -207,7 +212,7 @@ impl Reference<'_> {
             let free = response != DVec3::ZERO
                 && self
                     .world
-                    .closest(&ray)
+                    .closest(rng, &ray)
                     .is_none_or(|hit| hit.t >= light.distance);
             if free {
                 self.left(&ray, light.distance) * light.irradiance * response

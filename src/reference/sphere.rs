@@ -1,5 +1,6 @@
 //! The oracle's spheres and copies, in the formulas of school.
 
+use super::carried::Carried;
 use super::random::uniform;
 use super::vector;
 use super::world::{Drawn, Ray, Triangle};
@@ -12,7 +13,7 @@ use std::f64::consts::{PI, TAU};
 #[derive(Debug)]
 pub(super) struct Sphere {
     pub(super) centre: DVec3,
-    radius: f64,
+    pub(super) radius: f64,
     pub(super) material: u32,
 }
 
@@ -55,17 +56,14 @@ impl Sphere {
     }
 }
 
-/// The triangles of all instances, placed in the world. A map that mirrors would turn the fronts
-/// over; they stay fronts.
+/// The triangles of all instances, placed in the world.
 pub(super) fn copies(scene: &Scene) -> impl Iterator<Item = Triangle> + '_ {
     scene.instances.iter().flat_map(move |instance| {
         let mesh = &scene.objects[instance.object as usize].mesh;
         let map = instance.placement.map();
-        let mirrors = map.matrix3.determinant() < 0.0;
         (0..mesh.triangles()).map(move |i| {
-            let [a, b, c] = mesh.corners(i).map(|p| map.transform_point3(vector(p)));
-            let corners = if mirrors { [a, c, b] } else { [a, b, c] };
-            Triangle::new(corners, instance.material.unwrap_or(mesh.material[i]))
+            let material = instance.material.unwrap_or(mesh.material[i]);
+            Triangle::new(Carried::of(mesh, i).placed(&map), material)
         })
     })
 }

@@ -2,11 +2,13 @@
 //! formulas of `huygens_kernels::{interpolate, texture}`, of which it shares no code. Images are read
 //! without mip levels.
 
+use super::carried::Carried;
 use super::vector;
 use crate::scene::material::{Channel, Material, Relief, TexelFilter, TextureUse, Textured, Wrap};
 use crate::scene::texture::{TexelFormat, Texture};
 use crate::scene::{Mesh, Scene};
 use glam::{DVec2, DVec3};
+use std::f64::consts::{PI, TAU};
 
 /// Share of the geometric cosine of omega_o that a mirror direction has at least.
 const HORIZON: f64 = 1.0 / 64.0;
@@ -21,77 +23,81 @@ pub(super) struct Point {
 }
 
 impl Point {
-    /// The point of triangle `i`, whose front has unit normal `flat`, with these barycentric weights of
+    /// The point of a triangle, whose front has unit normal `flat`, with these barycentric weights of
     /// the second and third corner, as `material` shows it.
     #[inline(never)] // keeps what the recursion puts on the stack small
     pub(super) fn new(
         scene: &Scene,
-        i: usize,
+        corners: &Carried,
         [u, v]: [f64; 2],
         flat: DVec3,
         material: &Material,
     ) -> Self {
-        let mesh = &scene.mesh;
-        let corners = mesh.indices[i].map(|v| v as usize);
         let weights = [1.0 - u - v, u, v];
         let (mut normal, mut coherence) = (flat, 1.0);
-        if let Some(normals) = all(corners, |v| normal_of(mesh, v)) {
+        if let Some(normals) = corners.normals {
             let mixed: DVec3 = normals.iter().zip(weights).map(|(&n, w)| n * w).sum();
             if let Some(unit) = mixed.try_normalize() {
                 normal = if unit.dot(flat) < 0.0 { -unit } else { unit };
                 coherence = mixed.length().min(1.0);
             }
         }
-        let uvs = all(corners, |v| uv_of(mesh, v));
-        let uv = uv_at(mesh, i, [u, v]);
         let mut point = Self {
-            uv,
+            uv: corners.uv([u, v]),
             normal,
             coherence,
         };
-        if let Some(uvs) = uvs {
-            point.bend(scene, material, mesh.corners(i).map(vector), uvs, flat);
+        if let Some(derivatives) = corners.derivatives() {
+            point.bend(scene, material, derivatives, flat);
         }
         point
     }
 
-    /// Applies a normal or bump map.
-    fn bend(
-        &mut self,
-        scene: &Scene,
-        material: &Material,
-        [a, b, c]: [DVec3; 3],
-        uvs: [DVec2; 3],
-        flat: DVec3,
-    ) {
+    /// The point of a sphere of that radius with the unit normal `n`: longitude and latitude about +y,
+    /// the middle of the image towards +z.
+    pub(super) fn on_sphere(scene: &Scene, n: DVec3, radius: f64, material: &Material) -> Self {
+        let uv = DVec2::new(
+            0.5 + n.x.atan2(n.z) / TAU,
+            0.5 + n.y.clamp(-1.0, 1.0).asin() / PI,
+        );
+        let mut point = Self {
+            uv,
+            normal: n,
+            coherence: 1.0,
+        };
+        // Of the place, by longitude and latitude.
+        let by_u = DVec3::new(n.z, 0.0, -n.x) * (TAU * radius);
+        if let Some(east) = by_u.try_normalize() {
+            point.bend(scene, material, [by_u, n.cross(east) * (PI * radius)], n);
+        }
+        point
+    }
+
+    /// Applies a normal or bump map, where these are the place's derivatives by u and v.
+    fn bend(&mut self, scene: &Scene, material: &Material, [by_u, by_v]: [DVec3; 2], flat: DVec3) {
         let Some(map) = material.normal_map else {
             return;
         };
-        let (d1, d2) = (uvs[1] - uvs[0], uvs[2] - uvs[0]);
-        let determinant = d1.perp_dot(d2);
-        if determinant == 0.0 {
-            return;
-        }
-        let (e1, e2) = (b - a, c - a);
-        let by_u = (e1 * d2.y - e2 * d1.y) / determinant;
-        let by_v = (e2 * d1.x - e1 * d2.x) / determinant;
         let strength = f64::from(map.strength);
         let bent = match map.kind {
             Relief::Normals => {
                 let n = self.normal;
                 let tangent = (by_u - n * n.dot(by_u)).normalize_or(n.any_orthonormal_vector());
-                let bitangent = n.cross(tangent) * determinant.signum();
+                let bitangent = n.cross(tangent) * flat.dot(by_u.cross(by_v)).signum();
                 let t = texture(scene, &map.texture, self.uv) * 2.0 - 1.0;
                 (tangent * t.x + bitangent * t.y) * strength + n * t.z
             }
             Relief::Bump => {
-                // Differences over a texel, along the surface's own u and v.
-                let size = scene.textures[map.texture.texture as usize].size();
-                let step = DVec2::new(1.0 / f64::from(size[0]), 1.0 / f64::from(size[1]));
+                // Differences over a texel, in the mean over both axes, along the surface's own u
+                // and v.
+                let [w, h] = scene.textures[map.texture.texture as usize].size();
+                let [[a, b, _], [c, d, _]] = map.texture.uv.map(|row| row.map(f64::from));
+                let texels = f64::from(w) * f64::from(h) * (a * d - b * c).abs();
+                let step = 1.0 / texels.sqrt();
                 let height = |uv| strength * texture(scene, &map.texture, uv).x;
                 let here = height(self.uv);
-                let du = (height(self.uv + DVec2::X * step) - here) / step.x;
-                let dv = (height(self.uv + DVec2::Y * step) - here) / step.y;
+                let du = (height(self.uv + DVec2::X * step) - here) / step;
+                let dv = (height(self.uv + DVec2::Y * step) - here) / step;
                 let area = flat.dot(by_u.cross(by_v));
                 let (gradient_u, gradient_v) = (by_v.cross(flat) / area, flat.cross(by_u) / area);
                 self.normal - gradient_u * du - gradient_v * dv
@@ -156,20 +162,16 @@ impl Frame {
     }
 }
 
-/// Whether a triangle's material is there at all, at these barycentric weights.
-pub(super) fn is_there(scene: &Scene, i: usize, weights: [f64; 2]) -> bool {
-    let material = &scene.materials[scene.mesh.material[i] as usize];
-    material.alpha.is_none_or(|mask| {
-        let uv = uv_at(&scene.mesh, i, weights);
-        number(scene, &mask.alpha, uv) >= f64::from(mask.cutoff)
-    })
-}
-
-/// Texture coordinates; 0 where there are none.
-pub(super) fn uv_at(mesh: &Mesh, i: usize, [u, v]: [f64; 2]) -> DVec2 {
-    let corners = mesh.indices[i].map(|v| v as usize);
-    let uvs = all(corners, |v| uv_of(mesh, v));
-    uvs.map_or(DVec2::ZERO, |[a, b, c]| a * (1.0 - u - v) + b * u + c * v)
+/// How much of a material is there at (u, v): 0 or 1 of a mask.
+pub(super) fn presence(scene: &Scene, material: &Material, uv: DVec2) -> f64 {
+    let Some(alpha) = &material.alpha else {
+        return 1.0;
+    };
+    let opacity = number(scene, &alpha.opacity, uv);
+    match alpha.cutoff {
+        Some(cutoff) => f64::from(u8::from(opacity >= f64::from(cutoff))),
+        None => opacity,
+    }
 }
 
 /// A colour at (u, v).
@@ -184,14 +186,8 @@ pub(super) fn number(scene: &Scene, value: &Textured<f32>, uv: DVec2) -> f64 {
     f64::from(value.factor) * texel.unwrap_or(1.0)
 }
 
-/// Of three corners, if all of them have it.
-fn all<T: Copy>(corners: [usize; 3], of: impl Fn(usize) -> Option<T>) -> Option<[T; 3]> {
-    let [a, b, c] = corners.map(of);
-    Some([a?, b?, c?])
-}
-
 /// A vertex's normal, from the fold of the sphere onto a square.
-fn normal_of(mesh: &Mesh, vertex: usize) -> Option<DVec3> {
+pub(super) fn normal_of(mesh: &Mesh, vertex: usize) -> Option<DVec3> {
     let code = *mesh.normals.get(vertex)?;
     let [x, y] = [code as i16, (code >> 16) as i16].map(|c| f64::from(c) / 32767.0);
     let z = 1.0 - x.abs() - y.abs();
@@ -204,7 +200,8 @@ fn normal_of(mesh: &Mesh, vertex: usize) -> Option<DVec3> {
     (code != Mesh::NO_NORMAL).then(|| DVec3::new(x, y, z).normalize())
 }
 
-fn uv_of(mesh: &Mesh, vertex: usize) -> Option<DVec2> {
+/// A vertex's (u, v).
+pub(super) fn uv_of(mesh: &Mesh, vertex: usize) -> Option<DVec2> {
     let uv = DVec2::from_array(mesh.uvs.get(vertex)?.map(f64::from));
     uv.is_finite().then_some(uv)
 }

@@ -1,11 +1,11 @@
 //! What the reference's rays meet: triangles and spheres, all of which every ray is tested against.
 
+use super::carried::Carried;
 use super::random::uniform;
 use super::sphere::{Sphere, copies};
-use super::surface::{colour, is_there, number, uv_at};
-use super::vector;
-use crate::scene::{Scene, Textured};
-use glam::DVec3;
+use super::surface::{Point, colour, number, presence};
+use crate::scene::{Material, Scene, Textured};
+use glam::{DVec2, DVec3};
 use rand_pcg::rand_core::Rng;
 
 /// A point drawn on a surface, evenly.
@@ -35,6 +35,7 @@ pub(super) struct Triangle {
     edges: [DVec3; 2],
     normal: DVec3,
     material: u32,
+    carried: Carried,
 }
 
 pub(super) struct Ray {
@@ -55,7 +56,7 @@ impl<'a> World<'a> {
     pub(super) fn new(scene: &'a Scene) -> Self {
         let mesh = &scene.mesh;
         let triangles = (0..mesh.triangles())
-            .map(|i| Triangle::new(mesh.corners(i).map(vector), mesh.material[i]))
+            .map(|i| Triangle::new(Carried::of(mesh, i), mesh.material[i]))
             .chain(copies(scene));
         let spheres = scene.spheres.iter().map(Sphere::new);
         let bounds = scene.bounds().unwrap_or_default();
@@ -76,7 +77,7 @@ impl<'a> World<'a> {
     /// A ray that leaves a surface meets neither the triangle that it leaves nor anything nearer
     /// than the rounding of its origin; a sphere that it leaves only at its far side.
     #[inline(never)] // keeps what the recursion puts on the stack small
-    pub(super) fn closest(&self, ray: &Ray) -> Option<Hit> {
+    pub(super) fn closest(&self, rng: &mut impl Rng, ray: &Ray) -> Option<Hit> {
         let nearest = if ray.leaves.is_some() {
             self.nearest
         } else {
@@ -89,7 +90,7 @@ impl<'a> World<'a> {
                 && nearest < t
                 && t < farthest
                 && ray.leaves != Some(i)
-                && (i >= self.scene.mesh.triangles() || is_there(self.scene, i, weights))
+                && self.is_there(rng, i, weights)
             {
                 closest = Some(Hit {
                     surface: i,
@@ -145,36 +146,47 @@ impl<'a> World<'a> {
         }
     }
 
-    /// What a surface emits to one side at a point.
-    pub(super) fn emitted(&self, surface: usize, weights: [f64; 2], front: bool) -> DVec3 {
-        let material = match self.triangles.get(surface) {
+    /// What is emitted to one side where a front's unit normal is `outside`.
+    pub(super) fn emitted(&self, hit: &Hit, outside: DVec3, front: bool) -> DVec3 {
+        let material = match self.triangles.get(hit.surface) {
             Some(triangle) => triangle.material,
-            None => self.spheres[surface - self.triangles.len()].material,
+            None => self.spheres[hit.surface - self.triangles.len()].material,
         };
         let material = &self.scene.materials[material as usize];
         if !front && !material.two_sided {
             return DVec3::ZERO;
         }
-        // Copies and spheres have no images.
-        if surface < self.scene.mesh.triangles() {
-            let uv = uv_at(&self.scene.mesh, surface, weights);
-            colour(self.scene, &material.emission, uv)
-        } else {
-            vector(material.emission.factor)
+        colour(self.scene, &material.emission, self.uv(hit, outside))
+    }
+
+    /// Whether a triangle is there for a ray, at these weights: of partial opacity, by chance.
+    fn is_there(&self, rng: &mut impl Rng, i: usize, weights: [f64; 2]) -> bool {
+        let triangle = &self.triangles[i];
+        let material = &self.scene.materials[triangle.material as usize];
+        let presence = presence(self.scene, material, triangle.carried.uv(weights));
+        presence >= 1.0 || (presence > 0.0 && uniform(rng) < presence)
+    }
+
+    /// A hit on a front whose unit normal is `outside`, as `material` shows it.
+    pub(super) fn point(&self, hit: &Hit, outside: DVec3, material: &Material) -> Point {
+        match self.triangles.get(hit.surface) {
+            Some(t) => Point::new(self.scene, &t.carried, hit.weights, outside, material),
+            None => {
+                let sphere = &self.spheres[hit.surface - self.triangles.len()];
+                Point::on_sphere(self.scene, outside, sphere.radius, material)
+            }
         }
     }
 
-    /// A number at a hit: by its image, on triangles that have coordinates.
-    pub(super) fn number(&self, hit: &Hit, value: &Textured<f32>) -> f64 {
-        if hit.surface < self.scene.mesh.triangles() {
-            number(
-                self.scene,
-                value,
-                uv_at(&self.scene.mesh, hit.surface, hit.weights),
-            )
-        } else {
-            value.factor.into()
-        }
+    /// A number at a hit on a front whose unit normal is `outside`, by its image.
+    pub(super) fn number(&self, hit: &Hit, outside: DVec3, value: &Textured<f32>) -> f64 {
+        number(self.scene, value, self.uv(hit, outside))
+    }
+
+    /// Texture coordinates of a hit.
+    fn uv(&self, hit: &Hit, outside: DVec3) -> DVec2 {
+        let plain = Material::diffuse("", [0.0; 3], [0.0; 3]);
+        self.point(hit, outside, &plain).uv
     }
 
     /// The unit normal of a surface's front at a point of it, and the material that it wears.
@@ -190,8 +202,10 @@ impl<'a> World<'a> {
 }
 
 impl Triangle {
-    pub(super) fn new([a, b, c]: [DVec3; 3], material: u32) -> Self {
+    pub(super) fn new(carried: Carried, material: u32) -> Self {
+        let [a, b, c] = carried.places;
         Self {
+            carried,
             corner: a,
             edges: [b - a, c - a],
             normal: (b - a).cross(c - a).normalize(),

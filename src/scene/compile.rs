@@ -2,7 +2,7 @@
 
 use super::builder::Builder;
 use super::camera;
-use super::compiled::{FilmSpec, Scene};
+use super::compiled::{FilmSpec, Mesh, Scene};
 use super::description::{self, Description};
 use super::error::SceneError;
 use super::hash;
@@ -182,12 +182,21 @@ fn without_coordinates(scene: &Scene) -> Vec<String> {
     if !reads.contains(&true) {
         return Vec::new();
     }
-    let mesh = &scene.mesh;
-    let lacks = |&v: &u32| mesh.uvs.get(v as usize).is_none_or(|uv| uv[0].is_nan());
     let mut without = vec![0; scene.materials.len()];
-    for (triangle, &material) in mesh.indices.iter().zip(&mesh.material) {
-        let lacking = reads[material as usize] && triangle.iter().any(lacks);
-        without[material as usize] += usize::from(lacking);
+    let mut count = |mesh: &Mesh, worn: Option<u32>| {
+        let lacks = |&v: &u32| mesh.uvs.get(v as usize).is_none_or(|uv| uv[0].is_nan());
+        for (triangle, &own) in mesh.indices.iter().zip(&mesh.material) {
+            let material = worn.unwrap_or(own) as usize;
+            without[material] += usize::from(reads[material] && triangle.iter().any(lacks));
+        }
+    };
+    count(&scene.mesh, None);
+    // However many copies there are of one look.
+    let mut looks = std::collections::BTreeSet::new();
+    for copy in &scene.instances {
+        if looks.insert((copy.object, copy.material)) {
+            count(&scene.objects[copy.object as usize].mesh, copy.material);
+        }
     }
     let named = scene.materials.iter().zip(without).filter(|(_, n)| *n > 0);
     let line = |(m, n): (&Material, usize)| {

@@ -12,7 +12,6 @@ use super::shapes::Shapes;
 use super::surfaces::{self, Surfaces};
 use super::texture::Store;
 use super::toml::SceneFile;
-use super::unsupported::stand_in;
 use crate::settings::Preset;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -149,7 +148,7 @@ impl Source {
     /// look through those that have none, without keeping anything: exact, but for vertices that no
     /// triangle uses and triangles of zero area, which loading leaves out; for vertices that are split
     /// where corners of an OBJ file disagree about normals or texture coordinates, which are not
-    /// foreseen; and for polygons of PLY files with further lists, of which it is an upper bound.
+    /// foreseen, nor are textures that MTL files name; and for polygons of PLY files with further lists, of which it is an upper bound.
     ///
     /// # Errors
     /// A file that cannot be read, or a header that is wrong.
@@ -171,6 +170,9 @@ impl Source {
             .fold(Counts::default(), |a, b| a + b);
         let instances = self.native.iter().flat_map(|native| &native.said.instances);
         all.instances = instances.map(|i| u64::from(i.get_ref().copies())).sum();
+        let textures = self.native.iter().flat_map(|n| &n.surfaces.wanted);
+        let textures = textures.map(|wanted| wanted.request.bytes());
+        all.texture_bytes = textures.fold(0, u64::saturating_add);
         for counts in counts {
             all = all + counts?;
         }
@@ -186,9 +188,6 @@ impl Source {
         let load = |file: &GeometryFile| file.format.load(&file.path, read);
         let loaded: Vec<Result<Imported, SceneError>> = self.files.par_iter().map(load).collect();
         let mut imported = loaded.into_iter().collect::<Result<Vec<_>, _>>()?;
-        for (imported, file) in imported.iter_mut().zip(&self.files) {
-            stand_in(imported, &file.path);
-        }
         let own = self.native.iter().flat_map(|n| &n.surfaces.wanted);
         let own = own.map(|wanted| &wanted.request);
         let wanted = own.chain(imported.iter().flat_map(Imported::wanted));

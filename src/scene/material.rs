@@ -1,6 +1,7 @@
 //! Materials as a compiled scene holds them: what a surface does with light, in the units of the
 //! scene format (`docs/scene-format.md`), with references to textures by index.
 
+use super::texture::Texture;
 pub use huygens_kernels::dispersion::Cauchy;
 pub use huygens_kernels::texture::{Channel, TexelFilter, TextureUse, Wrap};
 
@@ -24,6 +25,16 @@ impl<T> Textured<T> {
     }
 }
 
+impl Textured<[f32; 3]> {
+    /// The mean over the whole image, of which `textures` are the scene's.
+    #[must_use]
+    pub fn mean(&self, textures: &[Texture]) -> [f32; 3] {
+        let texture = self.texture.map(|read| &textures[read.texture as usize]);
+        let mean = texture.map_or([1.0; 3], Texture::mean);
+        std::array::from_fn(|c| self.factor[c] * mean[c])
+    }
+}
+
 impl<T> From<T> for Textured<T> {
     fn from(factor: T) -> Self {
         Self::constant(factor)
@@ -41,8 +52,8 @@ pub struct Material {
     pub emission: Textured<[f32; 3]>,
     /// Whether it emits from the back too.
     pub two_sided: bool,
-    /// Where it is not there at all.
-    pub alpha: Option<AlphaMask>,
+    /// Where it is not there, or not wholly.
+    pub alpha: Option<Alpha>,
     /// What bends its shading normal.
     pub normal_map: Option<NormalMap>,
     /// Whether its facets make up for the light that they lose by scattering it once only: of metals,
@@ -50,13 +61,15 @@ pub struct Material {
     pub compensation: bool,
 }
 
-/// Cuts holes: a surface is there where `alpha >= cutoff`.
+/// How much of a surface is there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AlphaMask {
-    /// Opacity, 0..=1.
-    pub alpha: Textured<f32>,
-    /// In 0..=1.
-    pub cutoff: f32,
+pub struct Alpha {
+    /// Opacity, 0..=1: the share of light that meets the surface; the rest goes on as if it were not
+    /// there.
+    pub opacity: Textured<f32>,
+    /// Makes a mask of it, in 0..=1: the surface is wholly there where its opacity is at least that, and
+    /// elsewhere not at all.
+    pub cutoff: Option<f32>,
 }
 
 /// A shading normal that varies over the surface.
@@ -248,6 +261,12 @@ impl Material {
     #[must_use]
     pub fn emits(&self) -> bool {
         self.emission.factor.iter().any(|&c| c > 0.0)
+    }
+
+    /// Whether what it emits is not the same all over: by an image, or because not all of it is there.
+    #[must_use]
+    pub fn emission_varies(&self) -> bool {
+        self.emits() && (self.emission.texture.is_some() || self.alpha.is_some())
     }
 
     /// Its colour in one word, textures apart: the diffuse reflectance; of a metal, what it reflects

@@ -143,6 +143,14 @@ impl<'a> Placed<'a> {
 }
 
 impl Scene {
+    /// Whether any triangle, of the world or of an object, may be smooth.
+    #[must_use]
+    pub fn has_normals(&self) -> bool {
+        let objects = self.objects.iter().map(|o| &o.mesh);
+        let mut meshes = objects.chain([&self.mesh]);
+        meshes.any(|mesh| !mesh.normals.is_empty())
+    }
+
     /// Lowest and highest corner of a box around everything, if there is anything: around triangles
     /// and spheres as tight as can be, around copies of objects up to their objects' boxes.
     #[must_use]

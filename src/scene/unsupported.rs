@@ -1,9 +1,7 @@
-//! What scenes may say that no kernel can render yet. Entries leave this list as kernels arrive: a
-//! native scene that asks for one is refused; a material of an MTL file goes without it, with a
-//! warning.
+//! What scenes may say that no kernel can render yet. Entries leave this list as kernels arrive; a
+//! scene that asks for one is refused.
 
 use super::compiled::Scene;
-use super::import::Imported;
 use super::material::{Bsdf, Material};
 use crate::effects::polished;
 
@@ -12,11 +10,15 @@ impl Scene {
     /// for.
     #[must_use]
     pub fn unsupported(&self) -> Option<String> {
-        let mut all = self.materials.iter().zip(self.worn());
-        all.find_map(|(m, worn)| {
-            let what = lacking(m).filter(|_| worn)?;
+        self.spheres.iter().find_map(|sphere| {
+            let m = &self.materials[sphere.material as usize];
+            let what = if m.alpha.is_some() {
+                "`alpha`"
+            } else {
+                m.emission_varies().then_some("an image of `emission`")?
+            };
             Some(format!(
-                "material `{}` has {what}, which cannot be rendered yet",
+                "material `{}` has {what} and is worn by a sphere, which cannot be rendered yet",
                 m.name
             ))
         })
@@ -47,50 +49,5 @@ fn unknown(material: &Material) -> Option<&'static str> {
             .compensation
             .then_some("a metal's textured roughness, with compensation"),
         _ => None,
-    }
-}
-
-/// What a material asks for and no kernel can do: an opacity, images.
-fn lacking(material: &Material) -> Option<String> {
-    let alpha = material.alpha.map(|_| "`alpha`".to_owned());
-    alpha.or_else(|| {
-        let mut copy = material.clone();
-        let slots = copy.textures_mut();
-        slots
-            .first()
-            .map(|slot| format!("a textured {}", slot.what()))
-    })
-}
-
-/// Takes away what a file of geometry asks for and cannot be rendered yet.
-pub(super) fn stand_in(imported: &mut Imported, file: &std::path::Path) {
-    let mut removed: Vec<(String, Vec<String>)> = Vec::new();
-    for material in &mut imported.materials {
-        let mut lacks = Vec::new();
-        if material.alpha.take().is_some() {
-            lacks.push("opacity");
-        }
-        for mut slot in material.textures_mut() {
-            lacks.push(slot.what());
-            slot.remove();
-        }
-        for what in lacks {
-            let name = material.name.clone();
-            match removed.iter_mut().find(|(known, _)| known == what) {
-                Some((_, names)) => names.push(name),
-                None => removed.push((what.to_owned(), vec![name])),
-            }
-        }
-    }
-    for (what, names) in removed {
-        let more = match names.len() {
-            1 => String::new(),
-            n => format!(" and {} more", n - 1),
-        };
-        imported.warnings.push(format!(
-            "{}: images of {what} cannot be rendered yet; left out (material `{}`{more})",
-            file.display(),
-            names[0]
-        ));
     }
 }

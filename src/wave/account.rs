@@ -27,15 +27,17 @@ pub(crate) enum Stage {
     Branch,
     Disperse,
     Interact,
+    Texture,
     Light,
     Scatter(Shader),
+    Vary,
     Occlude,
     Roulette,
     Film,
 }
 
 impl Stage {
-    const COUNT: usize = 14 + Shader::ALL.len();
+    const COUNT: usize = 16 + Shader::ALL.len();
 
     /// All stages.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
@@ -50,13 +52,16 @@ impl Stage {
             Self::Branch,
             Self::Disperse,
             Self::Interact,
+            Self::Texture,
             Self::Light,
         ];
         let shaders = Shader::ALL.into_iter().map(Self::Scatter);
-        before
-            .into_iter()
-            .chain(shaders)
-            .chain([Self::Occlude, Self::Roulette, Self::Film])
+        before.into_iter().chain(shaders).chain([
+            Self::Vary,
+            Self::Occlude,
+            Self::Roulette,
+            Self::Film,
+        ])
     }
 
     /// Its place among [`Stage::all`].
@@ -72,8 +77,10 @@ impl Stage {
             Self::Branch => 7,
             Self::Disperse => 8,
             Self::Interact => 9,
-            Self::Light => 10,
-            Self::Scatter(shader) => 11 + shader as usize,
+            Self::Texture => 10,
+            Self::Light => 11,
+            Self::Scatter(shader) => 12 + shader as usize,
+            Self::Vary => Self::COUNT - 4,
             Self::Occlude => Self::COUNT - 3,
             Self::Roulette => Self::COUNT - 2,
             Self::Film => Self::COUNT - 1,
@@ -92,8 +99,10 @@ impl Stage {
             Self::Branch => "branch",
             Self::Disperse => "disperse",
             Self::Interact => "interact",
+            Self::Texture => "texture",
             Self::Light => "sample lights",
             Self::Scatter(shader) => shader.stage(),
+            Self::Vary => "texture lights",
             Self::Occlude => "occlude",
             Self::Roulette => "roulette",
             Self::Film => "film",

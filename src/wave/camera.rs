@@ -3,6 +3,8 @@
 use crate::scene::{Camera, Extent, FilmSpec, Projection};
 use glam::DVec3;
 use huygens_kernels::camera;
+use huygens_kernels::images::Cone;
+use std::f64::consts::{PI, TAU};
 
 /// The camera of a film.
 pub(crate) fn in_pixels(c: &Camera, film: &FilmSpec) -> camera::Camera {
@@ -42,6 +44,25 @@ pub(crate) fn in_pixels(c: &Camera, film: &FilmSpec) -> camera::Camera {
             up: c.up,
             turns: [film.width, 2 * film.height].map(|pixels| (1.0 / f64::from(pixels)) as f32),
         }),
+    }
+}
+
+/// The cone of a camera's rays, by the narrower side of a pixel in the middle of the image.
+pub(crate) fn cone(c: &Camera, film: &FilmSpec) -> Cone {
+    let narrower = |across: f64, up: f64| {
+        let (width, height) = (f64::from(film.width), f64::from(film.height));
+        (across / width).min(up / height)
+    };
+    let pixel = |e: Extent| {
+        narrower(
+            2.0 * f64::from(e.half_width),
+            2.0 * f64::from(e.half_height),
+        )
+    };
+    match c.projection {
+        Projection::Perspective { extent, .. } => Cone::of_pixels(0.0, pixel(extent)),
+        Projection::Orthographic { extent } => Cone::of_pixels(pixel(extent), 0.0),
+        Projection::Panorama => Cone::of_pixels(0.0, narrower(TAU, PI)),
     }
 }
 

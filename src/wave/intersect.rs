@@ -5,19 +5,36 @@
 //!
 //! A ray that cannot be traced (see [`untraceable`]) is reported and carries nothing from there on.
 
+use super::branch::Slots;
 use super::queue::Queue;
 use crate::film::SampleBuffer;
 use crate::geometry::Geometry;
 use huygens_kernels::emission::unoccluded;
-use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
+use huygens_kernels::opacity::{Opacities, There};
+use huygens_kernels::queues::{MARKS, OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
 use huygens_kernels::rays::{Hits, Rays, Segments, untraceable};
 
+/// What rays meet.
+#[derive(Clone, Copy)]
+pub(crate) struct Obstacles<'a> {
+    pub(crate) geometry: &'a Geometry,
+    /// Where some surfaces are not wholly there.
+    pub(crate) opacities: Option<&'a Opacities<'a>>,
+    /// The rays' moments, where something moves.
+    pub(crate) times: Option<&'a [f32]>,
+}
+
+/// Ends of the words that name a path's rays for partial opacity, beside their bounce: none that
+/// mixtures use, which count from 0. Branches of one sample share the names of their occlusion rays,
+/// which leaves the mean of their sum what it is.
+const CLOSEST: u32 = 0xfe;
+/// See [`CLOSEST`].
+const OCCLUSION: u32 = 0xff;
+
 /// Finds the closest hit of each path's ray. `lost` is called with the slot of each path whose ray
-/// cannot be traced; it goes on as one that left the scene with a throughput of 0. `times` are the
-/// paths' moments, where something moves.
+/// cannot be traced; it goes on as one that left the scene with a throughput of 0.
 pub(crate) fn intersect(
-    geometry: &Geometry,
-    times: Option<&[f32]>,
+    obstacles: Obstacles,
     paths: &mut Queue<PathsMut<'static>>,
     hits: &mut Queue<PathHitsMut<'static>>,
     mut lost: impl FnMut(u32),
@@ -49,19 +66,32 @@ pub(crate) fn intersect(
         u: out.u,
         v: out.v,
     };
-    match times {
-        None => geometry.closest(rays, found),
-        Some(times) => geometry.closest_at(times, rays, found),
+    let Obstacles {
+        geometry,
+        opacities,
+        times,
+    } = obstacles;
+    match (opacities, times) {
+        (None, None) => geometry.closest(rays, found),
+        (None, Some(times)) => geometry.closest_at(times, rays, found),
+        (Some(opacities), times) => {
+            let which = |i: usize| !((view.bounces[i] & !MARKS) << 8 | CLOSEST);
+            let name = |i: usize| [view.pixel[i], view.sample[i], which(i)];
+            let there = There { opacities, name };
+            match times {
+                None => geometry.closest_where(&there, rays, found),
+                Some(times) => geometry.closest_where_at(&there, times, rays, found),
+            }
+        }
     }
     hits.set_len(n);
 }
 
 /// Answers the occlusion rays and adds the light of the free ones. `lost` is called with the slot of
 /// each that cannot be traced, `dropped` with that of each whose light is not finite.
-/// `times` are the rays' moments, where something moves.
 pub(crate) fn occlude(
-    geometry: &Geometry,
-    times: Option<&[f32]>,
+    obstacles: Obstacles,
+    slots: Slots,
     shadows: &mut Queue<ShadowsMut<'static>>,
     occlusion: &mut Queue<OcclusionMut<'static>>,
     samples: &mut SampleBuffer,
@@ -88,9 +118,25 @@ pub(crate) fn occlude(
         reaches: view.reaches,
     };
     let answers = occlusion.view_mut().occluded;
-    match times {
-        None => geometry.occluded(segments, answers),
-        Some(times) => geometry.occluded_at(times, segments, answers),
+    let Obstacles {
+        geometry,
+        opacities,
+        times,
+    } = obstacles;
+    match (opacities, times) {
+        (None, None) => geometry.occluded(segments, answers),
+        (None, Some(times)) => geometry.occluded_at(times, segments, answers),
+        (Some(opacities), times) => {
+            let name = |i: usize| {
+                let (x, y, sample) = slots.sample_of(view.slot[i]);
+                [x | y << 16, sample, !(view.bounces[i] << 8 | OCCLUSION)]
+            };
+            let there = There { opacities, name };
+            match times {
+                None => geometry.occluded_where(&there, segments, answers),
+                Some(times) => geometry.occluded_where_at(&there, times, segments, answers),
+            }
+        }
     }
     occlusion.set_len(n);
     unoccluded(
@@ -106,6 +152,7 @@ pub(crate) fn occlude(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::film::{Film, Job};
     use huygens_kernels::rays::NO_PRIMITIVE;
 
     #[test]
@@ -128,9 +175,20 @@ mod tests {
         let mut occlusion = Queue::new(8);
         let mut samples = SampleBuffer::new(8);
         let mut lost = Vec::new();
+        let film = Film::new(1, 1, 16);
+        let job = Job {
+            tile_index: 0,
+            tile: film.tiles()[0],
+            first_sample: 0,
+            samples: 1,
+        };
         occlude(
-            &Geometry::default(),
-            None,
+            Obstacles {
+                geometry: &Geometry::default(),
+                opacities: None,
+                times: None,
+            },
+            Slots::new(&job, 0..1, 1),
             &mut shadows,
             &mut occlusion,
             &mut samples,

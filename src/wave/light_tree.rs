@@ -52,12 +52,13 @@ struct Leaf {
 }
 
 impl LightTree {
-    /// The tree of a scene's lights at a finite distance, of which there is at least one. `emits` says
-    /// which triangles are lights.
-    pub(crate) fn new(scene: &Scene, emits: impl Fn(usize) -> bool) -> Self {
+    /// The tree of a scene's lights at a finite distance, of which there is at least one: triangles of
+    /// positive `luminance_of` their radiance, in the mean, and points and spots.
+    pub(crate) fn new(scene: &Scene, luminance_of: impl Fn(usize) -> f64) -> Self {
         let mut leaves: Vec<Leaf> = (0..scene.mesh.triangles())
-            .filter(|&i| emits(i))
-            .map(|i| triangle(scene, i))
+            .map(|i| (i, luminance_of(i)))
+            .filter(|&(_, radiance)| radiance > 0.0)
+            .map(|(i, radiance)| triangle(scene, i, radiance))
             .collect();
         for (k, light) in scene.lights.iter().enumerate() {
             leaves.extend(punctual(&light.kind, k));
@@ -266,7 +267,7 @@ fn cone(a: DVec3, theta_a: f64, b: DVec3, theta_b: f64) -> (DVec3, f64) {
     }
 }
 
-fn triangle(scene: &Scene, i: usize) -> Leaf {
+fn triangle(scene: &Scene, i: usize, radiance: f64) -> Leaf {
     let mesh: &Mesh = &scene.mesh;
     let material = &scene.materials[mesh.material[i] as usize];
     let [a, b, c] = mesh.corners(i).map(|v| DVec3::from_array(v.map(f64::from)));
@@ -279,7 +280,7 @@ fn triangle(scene: &Scene, i: usize) -> Leaf {
             axis: normal.normalize(),
             theta_o: 0.0,
             theta_e: FRAC_PI_2,
-            intensity: luminance(material.emission.factor) * area,
+            intensity: radiance * area,
             two_sided: material.two_sided,
         },
         source: i as u32,

@@ -1,5 +1,6 @@
 //! What next-event estimation selects from: the scene's lights as the kernels' tables.
 
+use super::emitted;
 use super::environment::EnvironmentTables;
 use super::light_tree::LightTree;
 use super::tables::{alias_table, area, diagonal, luminance};
@@ -53,20 +54,32 @@ impl LightTables {
         let exitance = |m: &Material| {
             let sides = 1.0 + f64::from(m.two_sided);
             if all {
-                // Where it is textured, by its factor.
                 luminance(m.emission.factor) * PI * sides
             } else {
                 0.0
             }
         };
         let exitance: Vec<f64> = scene.materials.iter().map(exitance).collect();
-        let emits = |triangle: usize| exitance[scene.mesh.material[triangle] as usize] > 0.0;
+        let varied = if all {
+            emitted::by_triangle(scene)
+        } else {
+            Vec::new()
+        };
+        // Where images vary emission, in the mean over the triangle.
+        let exitance_of = |triangle: usize| {
+            let m = scene.mesh.material[triangle] as usize;
+            let sides = 1.0 + f64::from(scene.materials[m].two_sided);
+            varied
+                .get(triangle)
+                .map_or(exitance[m], |mean| mean * PI * sides)
+        };
+        let emits = |triangle: usize| exitance_of(triangle) > 0.0;
         // Without geometry there is nothing to light and the radius is 0.
         let radius = 0.5 * diagonal(scene);
         tables.punctual = scene.lights.iter().map(|l| punctual(&l.kind)).collect();
         let (mut near, mut far) = (Vec::new(), Vec::new());
         for i in (0..scene.mesh.triangles()).filter(|&i| emits(i)) {
-            let power = exitance[scene.mesh.material[i] as usize] * area(scene.mesh.corners(i));
+            let power = exitance_of(i) * area(scene.mesh.corners(i));
             let source = i as u32;
             near.push(Powered { source, power });
         }
@@ -96,7 +109,13 @@ impl LightTables {
         }
         let (selection, _) = light_selection(scene, settings);
         if selection == LightSelection::Tree {
-            tables.tree = Some(LightTree::new(scene, emits));
+            let luminance_of = |i: usize| {
+                let material = &scene.materials[scene.mesh.material[i] as usize];
+                let even = || luminance(material.emission.factor);
+                let mean = varied.get(i).copied().unwrap_or_else(even);
+                if emits(i) { mean } else { 0.0 }
+            };
+            tables.tree = Some(LightTree::new(scene, luminance_of));
             let power = near.iter().map(|l| l.power).sum();
             near = vec![Powered {
                 source: TREE,
@@ -120,13 +139,14 @@ impl LightTables {
         let total: f64 = weights.iter().sum();
         let area_pdf = |&e: &f64| ratio(factors[0] * e, total);
         tables.area_pdf = exitance.iter().map(area_pdf).collect();
-        if selection == LightSelection::Uniform {
+        let by_triangle = selection == LightSelection::Uniform || !varied.is_empty();
+        if by_triangle && selection != LightSelection::Tree {
             let pdf = |i| {
-                if emits(i) {
-                    (1.0 / (total * area(scene.mesh.corners(i)))) as f32
-                } else {
-                    0.0
-                }
+                let weight = match selection {
+                    LightSelection::Uniform => 1.0 / area(scene.mesh.corners(i)),
+                    _ => factors[0] * exitance_of(i),
+                };
+                if emits(i) { ratio(weight, total) } else { 0.0 }
             };
             tables.by_triangle = (0..scene.mesh.triangles()).map(pdf).collect();
         }

@@ -1,89 +1,121 @@
 //! From a material's BSDF to the slots where its kernel looks for its parameters
-//! (`huygens_kernels::scatter::kinds`).
+//! (`huygens_kernels::scatter::kinds`), and to the images that vary them.
 
-use crate::scene::material::{Dielectric, Principled};
+use crate::scene::material::{Dielectric, Principled, TextureUse, Textured};
 use crate::scene::{Bsdf, Material};
 use huygens_kernels::bsdf::fresnel::conductor_mean;
+use huygens_kernels::images::Site;
 use huygens_kernels::scatter::kinds::CAUCHY_B;
+use huygens_kernels::scatter::texture::Layout;
 use huygens_kernels::tables::SLOTS;
 
-/// The parameters of `material`. A mixture has none.
-pub(crate) fn parameters(material: &Material) -> [f32; SLOTS] {
-    let mut slots = [0.0; SLOTS];
-    let mut at = 0;
-    let mut put = |values: &[f32]| {
-        slots[at..at + values.len()].copy_from_slice(values);
-        at += values.len();
-    };
-    match &material.bsdf {
-        Bsdf::Diffuse {
-            reflectance,
-            roughness,
-        } => {
-            put(&reflectance.factor);
-            put(&[*roughness]);
-        }
-        Bsdf::Conductor {
-            eta,
-            k,
-            tint,
-            roughness,
-            anisotropy,
-        } => {
-            put(eta);
-            put(k);
-            put(&tint.factor);
-            put(&[roughness.factor, *anisotropy]);
-            // Light that has met two facets or more is in proportion to it: at 0 there is none.
-            let mean = |c: usize| {
-                if material.compensation {
-                    conductor_mean(f64::from(eta[c]), f64::from(k[c])) as f32
-                } else {
-                    0.0
+/// The parameters of a material.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Parameters {
+    /// Their values, or what images are multiplied with.
+    pub(crate) slots: [f32; SLOTS],
+    /// Which of them are in use, and which images may vary: the same for all materials of a shader.
+    pub(crate) layout: Layout,
+    /// For each place of `layout.sites`: what varies it.
+    pub(crate) images: Vec<Option<TextureUse>>,
+}
+
+impl Parameters {
+    /// The parameters of `material`. A mixture has none.
+    pub(crate) fn of(material: &Material) -> Self {
+        let mut all = Self::default();
+        match &material.bsdf {
+            Bsdf::Diffuse {
+                reflectance,
+                roughness,
+            } => {
+                all.colour(reflectance);
+                all.plain(&[*roughness]);
+            }
+            Bsdf::Conductor {
+                eta,
+                k,
+                tint,
+                roughness,
+                anisotropy,
+            } => {
+                all.plain(eta);
+                all.plain(k);
+                all.colour(tint);
+                all.number(roughness);
+                all.plain(&[*anisotropy]);
+                // Light that has met two facets or more is in proportion to it: at 0 there is none.
+                let mean = |c: usize| {
+                    if material.compensation {
+                        conductor_mean(f64::from(eta[c]), f64::from(k[c])) as f32
+                    } else {
+                        0.0
+                    }
+                };
+                all.plain(&[mean(0), mean(1), mean(2)]);
+            }
+            Bsdf::Dielectric(glass) => {
+                all.dielectric(glass);
+                all.plain(&[flag(material.compensation)]);
+                if let Some(cauchy) = glass.dispersion.filter(|_| !glass.thin) {
+                    (all.slots[0], all.slots[CAUCHY_B]) = (cauchy.a, cauchy.b);
+                    all.layout.slots = CAUCHY_B + 1;
                 }
-            };
-            put(&[mean(0), mean(1), mean(2)]);
+            }
+            Bsdf::Principled(p) => {
+                all.principled(p);
+                all.plain(&[flag(material.compensation)]);
+            }
+            Bsdf::Mix { .. } => {}
         }
-        Bsdf::Dielectric(glass) => {
-            put_dielectric(glass, &mut put);
-            put(&[flag(material.compensation)]);
-        }
-        Bsdf::Principled(p) => {
-            put_principled(p, &mut put);
-            put(&[flag(material.compensation)]);
-        }
-        Bsdf::Mix { .. } => {}
+        all
     }
-    if let Bsdf::Dielectric(glass) = &material.bsdf
-        && let Some(cauchy) = glass.dispersion.filter(|_| !glass.thin)
-    {
-        (slots[0], slots[CAUCHY_B]) = (cauchy.a, cauchy.b);
+
+    fn plain(&mut self, values: &[f32]) {
+        let at = self.layout.slots;
+        self.slots[at..at + values.len()].copy_from_slice(values);
+        self.layout.slots += values.len();
     }
-    slots
+
+    fn colour(&mut self, value: &Textured<[f32; 3]>) {
+        self.site(true, value.texture);
+        self.plain(&value.factor);
+    }
+
+    fn number(&mut self, value: &Textured<f32>) {
+        self.site(false, value.texture);
+        self.plain(&[value.factor]);
+    }
+
+    fn site(&mut self, colour: bool, texture: Option<TextureUse>) {
+        let slot = self.layout.slots;
+        self.layout.sites.push(Site { slot, colour });
+        self.images.push(texture);
+    }
+
+    fn dielectric(&mut self, glass: &Dielectric) {
+        self.plain(&[glass.ior, flag(glass.thin)]);
+        self.colour(&glass.reflection_tint);
+        self.colour(&glass.transmission_tint);
+        self.number(&glass.roughness);
+    }
+
+    fn principled(&mut self, p: &Principled) {
+        self.colour(&p.base_color);
+        self.number(&p.metallic);
+        self.number(&p.roughness);
+        self.plain(&[p.ior]);
+        self.number(&p.specular);
+        self.colour(&p.specular_color);
+        self.number(&p.transmission);
+        self.plain(&[flag(p.thin)]);
+        self.number(&p.clearcoat);
+        self.number(&p.clearcoat_roughness);
+        self.colour(&p.sheen_color);
+        self.number(&p.sheen_roughness);
+    }
 }
 
 fn flag(on: bool) -> f32 {
     f32::from(u8::from(on))
-}
-
-fn put_dielectric(glass: &Dielectric, mut put: impl FnMut(&[f32])) {
-    put(&[glass.ior, flag(glass.thin)]);
-    put(&glass.reflection_tint.factor);
-    put(&glass.transmission_tint.factor);
-    put(&[glass.roughness.factor]);
-}
-
-fn put_principled(p: &Principled, mut put: impl FnMut(&[f32])) {
-    put(&p.base_color.factor);
-    put(&[
-        p.metallic.factor,
-        p.roughness.factor,
-        p.ior,
-        p.specular.factor,
-    ]);
-    put(&p.specular_color.factor);
-    put(&[p.transmission.factor, flag(p.thin)]);
-    put(&[p.clearcoat.factor, p.clearcoat_roughness.factor]);
-    put(&p.sheen_color.factor);
-    put(&[p.sheen_roughness.factor]);
 }

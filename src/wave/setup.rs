@@ -4,7 +4,9 @@ use super::account::Stage;
 use super::branch::{self, Branches};
 use super::camera;
 use super::extras::Carried;
+use super::intersect::Obstacles;
 use super::mixtures::Mixtures;
+use super::parameters::Parameters;
 use super::sampling::AnySampler;
 use super::shade::Program;
 use super::sort::{Route, Routes, Wanted};
@@ -16,17 +18,27 @@ use crate::scene::Scene;
 use crate::settings::{Integrator, Settings};
 use huygens_kernels::camera::Lens;
 use huygens_kernels::motion::CameraMotion;
+use huygens_kernels::opacity::Opacities;
 use huygens_kernels::roulette::{GAINS, Rules};
+use huygens_kernels::scatter::texture::Layout;
 use huygens_kernels::tables::Tables;
 
 /// The wave, as assembled for one render.
 pub(crate) struct Setup<'a> {
     pub(crate) geometry: &'a Geometry,
     pub(crate) tables: Tables<'a>,
+    /// Where some surfaces are not wholly there.
+    pub(crate) opacities: Option<Opacities<'a>>,
     /// The shaders that the scene's materials call for, in the order in which they run.
     pub(crate) shaders: Vec<Shader>,
+    /// For each of them, what images may vary, where they do.
+    pub(crate) textured: Vec<Option<Layout>>,
+    /// Whether shading normals differ from geometric ones anywhere.
+    bends: bool,
+    /// Whether lights are not the same all over.
+    varying_emission: bool,
     /// Where some materials are mixtures of others.
-    pub(crate) mixtures: Option<Mixtures>,
+    pub(crate) mixtures: Option<Mixtures<'a>>,
     /// By material.
     pub(crate) routes: Routes,
     pub(crate) lens: Lens<'a>,
@@ -79,18 +91,30 @@ impl<'a> Setup<'a> {
         };
         let shaders: Vec<Shader> = Shader::ALL.into_iter().filter(used).collect();
         let medium_list = shaders.iter().position(|s| *s == Shader::Medium);
+        let textured = |s: &Shader| {
+            let of = effects.textured.contains(s).then_some(s)?;
+            let material = effects.shaders.iter().position(|t| t == of)?;
+            Some(Parameters::of(&scene.materials[material]).layout)
+        };
+        let textured = shaders.iter().map(textured).collect();
         let list = |s: &Shader| shaders.iter().position(|t| t == s).unwrap_or(0) as u8;
         let routes = scene.materials.iter().zip(&effects.shaders);
         let routes = routes.map(|(m, shader)| Route {
             emits: m.emits(),
             list: list(shader),
         });
-        let mixtures = Mixtures::new(scene, effects, settings.seed);
+        let mixtures = Mixtures::new(scene, effects, scene_tables, geometry, settings.seed);
         let routes = Routes::new(routes.collect(), mixtures.is_some());
         Self {
             geometry,
+            varying_emission: effects.varying_emission,
+            bends: scene.has_normals() || effects.relief,
             tables: scene_tables.view(scene, geometry),
+            opacities: scene_tables
+                .opacities(scene, geometry, settings.seed)
+                .filter(|_| effects.opacity),
             shaders,
+            textured,
             mixtures,
             routes,
             lens: Lens {
@@ -138,14 +162,25 @@ impl Setup<'_> {
             Stage::Sky => self.wanted.sky,
             Stage::Emission => self.wanted.emission,
             Stage::Interact => elaborate.next().is_some(),
+            Stage::Texture => self.textured.iter().any(Option::is_some),
             Stage::Light => elaborate.any(|&s| self.lights(s)),
             Stage::Scatter(shader) => self.shaders.contains(&shader),
+            Stage::Vary => self.varying_emission && self.program.samples_lights(),
             Stage::Occlude => self.casts_shadows(),
             Stage::Branch => !self.split.is_empty(),
             Stage::Shutter => self.carried.times,
             Stage::Travel => self.carried.media,
             Stage::Disperse => self.carried.wavelengths,
             Stage::Roulette => transport,
+        }
+    }
+
+    /// What rays meet, at their `times` where something moves.
+    pub(crate) fn obstacles<'b>(&'b self, times: Option<&'b [f32]>) -> Obstacles<'b> {
+        Obstacles {
+            geometry: self.geometry,
+            opacities: self.opacities.as_ref(),
+            times,
         }
     }
 
@@ -171,7 +206,8 @@ impl Setup<'_> {
             Surfaces::new(
                 self.capacity,
                 self.runs(Stage::Light),
-                self.tables.attributes.is_some(),
+                self.bends,
+                self.runs(Stage::Texture),
             )
         })
     }

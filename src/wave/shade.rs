@@ -129,9 +129,15 @@ pub(crate) fn emission(
     dropped: impl FnMut(u32),
 ) {
     let radiance = &mut samples.columns();
-    match program {
-        Program::Mis => surface_emission::<true>(listed, tables, radiance, dropped),
-        _ => surface_emission::<false>(listed, tables, radiance, dropped),
+    let images = tables
+        .images
+        .as_ref()
+        .is_some_and(|i| !i.emission.is_empty());
+    match (program, images) {
+        (Program::Mis, false) => surface_emission::<true, false>(listed, tables, radiance, dropped),
+        (Program::Mis, true) => surface_emission::<true, true>(listed, tables, radiance, dropped),
+        (_, false) => surface_emission::<false, false>(listed, tables, radiance, dropped),
+        (_, true) => surface_emission::<false, true>(listed, tables, radiance, dropped),
     }
 }
 

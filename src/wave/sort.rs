@@ -275,7 +275,7 @@ impl Lists {
                     self.emission
                         .push_if(i, wanted.emission && light && route.emits);
                     if let (Some(mixtures), Some(met)) = (&setup.mixtures, &mut self.met) {
-                        met[i] = mixtures.draw(&paths, i, material);
+                        met[i] = mixtures.draw(&paths, &hits, i, material);
                         route = routes.of[met[i] as usize];
                     }
                     let list = &mut self.scatter[usize::from(route.list)];

@@ -14,11 +14,13 @@ use crate::effects::Shader;
 use crate::film::SampleBuffer;
 use huygens_kernels::cost::{Cost, item};
 use huygens_kernels::emission::{SKY, SURFACE, UNOCCLUDED};
+use huygens_kernels::light::{VARIED, vary};
 use huygens_kernels::queues::{Listed, PathHitsMut, PathsMut};
 use huygens_kernels::rays::{CLOSEST, OCCLUSION};
 use huygens_kernels::scatter::disperse::{DISPERSE, disperse};
 use huygens_kernels::scatter::interact::INTERACT;
 use huygens_kernels::scatter::light_up::LIGHT_UP;
+use huygens_kernels::scatter::texture::TEXTURE;
 use huygens_kernels::scatter::{Out, medium, plain, respond};
 use huygens_kernels::{camera, roulette as roulette_kernel};
 
@@ -44,8 +46,7 @@ impl Wave<'_> {
     pub(super) fn intersect(&mut self, slots: Slots) {
         let account = &mut self.account;
         intersect::intersect(
-            self.setup.geometry,
-            self.extras.times(),
+            self.setup.obstacles(self.extras.times()),
             &mut self.paths,
             &mut self.hits,
             |slot| {
@@ -172,12 +173,21 @@ impl Wave<'_> {
                 Some(surfaces) if shader.has_rows() => {
                     surfaces.interact(listed, tables, sampler);
                     account.book(Stage::Interact, tally, tally, INTERACT * list.len());
+                    let textured = setup.textured[k].as_ref();
+                    if let Some(layout) = textured {
+                        surfaces.texture(listed, tables, layout);
+                        account.book(Stage::Texture, tally, tally, TEXTURE * list.len());
+                    }
                     if setup.lights(shader) {
                         surfaces.light_up(shader, tables);
                         account.book(Stage::Light, tally, tally, LIGHT_UP * list.len());
                     }
+                    let textured = textured.is_some();
+                    let materials = &tables.materials;
                     let light = extras.wavelengths();
-                    surfaces.respond(program, shader, listed, light, tables, &mut out);
+                    surfaces.respond(
+                        program, shader, textured, listed, light, materials, &mut out,
+                    );
                     [respond::PATH, respond::SHADOW]
                 }
                 _ => {
@@ -223,6 +233,11 @@ impl Wave<'_> {
             account.book(stage, tally, &on.plus(&cast), cost);
         }
         let (on, cast) = (out.path_len, out.shadow_len);
+        if cast > 0 && setup.runs(Stage::Vary) {
+            vary(cast, &mut out.shadows, tables);
+            let varied = Tally::of(&out.shadows.bounces[..cast], 0);
+            account.book(Stage::Vary, &varied, &varied, VARIED * cast);
+        }
         self.scattered.set_len(on);
         self.shadows.set_len(cast);
     }
@@ -235,8 +250,9 @@ impl Wave<'_> {
         let account = &mut self.account;
         let mut lost = Vec::new();
         intersect::occlude(
-            self.setup.geometry,
-            self.shadow_times.as_ref().map(ShadowTimes::all),
+            self.setup
+                .obstacles(self.shadow_times.as_ref().map(ShadowTimes::all)),
+            slots,
             &mut self.shadows,
             &mut self.occlusion,
             samples,

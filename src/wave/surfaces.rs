@@ -1,7 +1,7 @@
-//! Surfaces that are more than plain diffuse ones: interact, light, respond.
+//! Surfaces that are more than plain diffuse ones: interact, texture, light, respond.
 //!
 //! In: an index list of one shader. Out: scattered paths and occlusion rays, behind those of the
-//! lists before. The queues between the three passes are used by one list after the other, so that
+//! lists before. The queues between the passes are used by one list after the other, so that
 //! what a pass writes is still in the cache when the next one reads it; a render without such surfaces
 //! has none of them.
 
@@ -10,13 +10,16 @@ use super::queue::Queue;
 use super::sampling::{AnySampler, with_sampler};
 use super::shade::Program;
 use crate::effects::Shader;
-use huygens_kernels::queues::{self, DrawnMut, Listed, LitMut, SmoothMut, SurfacesMut};
+use huygens_kernels::queues::{
+    self, DrawnMut, Listed, LitMut, SmoothMut, SurfacesMut, TexturedMut,
+};
 use huygens_kernels::scatter::interact::interact;
 use huygens_kernels::scatter::kinds;
 use huygens_kernels::scatter::light_up::light_up;
 use huygens_kernels::scatter::respond::{Kind, Rows, respond};
+use huygens_kernels::scatter::texture::{Layout, texture};
 use huygens_kernels::scatter::{LightsAlone, LightsWeighted, NoLights, Out};
-use huygens_kernels::tables::Tables;
+use huygens_kernels::tables::{Materials, Tables};
 
 /// The queues between the passes.
 pub(crate) struct Surfaces {
@@ -24,17 +27,20 @@ pub(crate) struct Surfaces {
     drawn: Queue<DrawnMut<'static>>,
     /// Of no capacity where lights are not sampled.
     lit: Queue<LitMut<'static>>,
-    /// Where normals are interpolated.
+    /// Where normals are interpolated or bent.
     smooth: Option<Queue<SmoothMut<'static>>>,
+    /// Where materials read images.
+    textured: Option<Queue<TexturedMut<'static>>>,
 }
 
 impl Surfaces {
-    pub(crate) fn new(capacity: usize, lights: bool, smooth: bool) -> Self {
+    pub(crate) fn new(capacity: usize, lights: bool, smooth: bool, textured: bool) -> Self {
         Self {
             surfaces: Queue::new(capacity),
             drawn: Queue::new(capacity),
             lit: Queue::new(if lights { capacity } else { 0 }),
             smooth: smooth.then(|| Queue::new(capacity)),
+            textured: textured.then(|| Queue::new(capacity)),
         }
     }
 
@@ -45,7 +51,11 @@ impl Surfaces {
         let lit = QueuePlan::of("light samples", &self.lit);
         let smooth = self.smooth.as_ref();
         let smooth = smooth.and_then(|queue| QueuePlan::of("interpolated surfaces", queue));
-        [surfaces, smooth, drawn, lit].into_iter().flatten()
+        let textured = self.textured.as_ref();
+        let textured = textured.and_then(|queue| QueuePlan::of("textured surfaces", queue));
+        [surfaces, smooth, textured, drawn, lit]
+            .into_iter()
+            .flatten()
     }
 
     /// What the listed paths met.
@@ -62,6 +72,15 @@ impl Surfaces {
         self.surfaces.view()
     }
 
+    /// What images say of them.
+    pub(crate) fn texture(&mut self, listed: Listed, tables: &Tables, layout: &Layout) {
+        if let Some(textured) = &mut self.textured {
+            let surfaces = self.surfaces.view_mut();
+            texture(listed, tables, layout, surfaces, textured.view_mut());
+            textured.set_len(listed.len);
+        }
+    }
+
     /// One sample of the light around each.
     pub(crate) fn light_up(&mut self, shader: Shader, tables: &Tables) {
         let n = self.surfaces.len();
@@ -71,16 +90,26 @@ impl Surfaces {
         self.lit.set_len(n);
     }
 
-    /// What the BSDF makes of both.
+    /// What the BSDF makes of both, with the parameters of `textured` surfaces as images left them.
+    #[expect(clippy::too_many_arguments)]
     pub(crate) fn respond<'a>(
         &self,
         program: Program,
         shader: Shader,
+        textured: bool,
         listed: Listed<'a>,
         wavelengths: &'a [f32],
-        tables: &Tables,
+        materials: &Materials,
         out: &mut Out,
     ) {
+        let textured = self.textured.as_ref().filter(|_| textured);
+        let materials = &match textured {
+            Some(queue) => Materials {
+                parameters: queue.view().parameters,
+                ..*materials
+            },
+            None => *materials,
+        };
         let rows = Rows {
             listed,
             surfaces: self.surfaces.view(),
@@ -93,30 +122,33 @@ impl Surfaces {
             Shader::Plain | Shader::Medium | Shader::Mix => {
                 unreachable!("they have no rows of their own")
             }
-            Shader::Diffuse => with::<kinds::Diffuse>(program, rows, tables, out),
-            Shader::RoughDiffuse => with::<kinds::RoughDiffuse>(program, rows, tables, out),
-            Shader::SmoothConductor => with::<kinds::SmoothConductor>(program, rows, tables, out),
-            Shader::RoughConductor => with::<kinds::RoughConductor>(program, rows, tables, out),
+            Shader::Diffuse => with::<kinds::Diffuse>(program, rows, materials, out),
+            Shader::RoughDiffuse => with::<kinds::RoughDiffuse>(program, rows, materials, out),
+            Shader::SmoothConductor => {
+                with::<kinds::SmoothConductor>(program, rows, materials, out);
+            }
+            Shader::RoughConductor => with::<kinds::RoughConductor>(program, rows, materials, out),
             Shader::SmoothDielectric => {
-                with::<kinds::SmoothDielectric<false>>(program, rows, tables, out);
+                with::<kinds::SmoothDielectric<false>>(program, rows, materials, out);
             }
             Shader::RoughDielectric => {
-                with::<kinds::RoughDielectric<false>>(program, rows, tables, out);
+                with::<kinds::RoughDielectric<false>>(program, rows, materials, out);
             }
             Shader::SmoothDispersive => {
-                with::<kinds::SmoothDielectric<true>>(program, rows, tables, out);
+                with::<kinds::SmoothDielectric<true>>(program, rows, materials, out);
             }
             Shader::RoughDispersive => {
-                with::<kinds::RoughDielectric<true>>(program, rows, tables, out);
+                with::<kinds::RoughDielectric<true>>(program, rows, materials, out);
             }
-            Shader::Principled => with::<kinds::Principled<false>>(program, rows, tables, out),
-            Shader::PrincipledGlass => with::<kinds::Principled<true>>(program, rows, tables, out),
+            Shader::Principled => with::<kinds::Principled<false>>(program, rows, materials, out),
+            Shader::PrincipledGlass => {
+                with::<kinds::Principled<true>>(program, rows, materials, out);
+            }
         }
     }
 }
 
-fn with<K: Kind>(program: Program, rows: Rows, tables: &Tables, out: &mut Out) {
-    let materials = &tables.materials;
+fn with<K: Kind>(program: Program, rows: Rows, materials: &Materials, out: &mut Out) {
     match program {
         Program::Mis => respond::<K, LightsWeighted>(rows, materials, out),
         Program::Light | Program::Blind { delta: true, .. } => {

@@ -1,15 +1,18 @@
 //! From a compiled scene to the tables that kernels read.
 
+use super::images::ImageTables;
 use super::lights::LightTables;
 use super::media::MediaTables;
-use super::parameters::parameters;
+use super::parameters::Parameters;
 use crate::effects;
 use crate::geometry::Geometry;
-use crate::scene::Scene;
+use crate::scene::{Mesh, Scene};
 use crate::settings::Settings;
 use huygens_kernels::interpolate::Attributes;
+use huygens_kernels::opacity::{Coordinates, Opacities};
 use huygens_kernels::others::{Object, Others};
 use huygens_kernels::tables::{Materials, SLOTS, Tables, Triangles};
+use huygens_kernels::texture::Textures;
 
 /// Material columns and light tables.
 #[derive(Debug, Default)]
@@ -22,6 +25,8 @@ pub(crate) struct SceneTables<'a> {
     objects: Vec<Object<'a>>,
     sphere_material: Vec<u32>,
     media: Option<MediaTables>,
+    /// Where materials read images.
+    images: Option<ImageTables<'a>>,
 }
 
 impl<'a> SceneTables<'a> {
@@ -30,6 +35,7 @@ impl<'a> SceneTables<'a> {
         let mut tables = Self {
             lights: LightTables::new(scene, settings),
             media: effects::has_media(scene, settings).then(|| MediaTables::new(scene)),
+            images: ImageTables::new(scene),
             ..Self::default()
         };
         tables.others(scene);
@@ -39,7 +45,7 @@ impl<'a> SceneTables<'a> {
                 tables.albedo[c].push(albedo[c]);
                 tables.emission[c].push(m.emission.factor[c]);
             }
-            for (column, value) in tables.parameters.iter_mut().zip(parameters(m)) {
+            for (column, value) in tables.parameters.iter_mut().zip(Parameters::of(m).slots) {
                 column.push(value);
             }
             tables
@@ -55,6 +61,7 @@ impl<'a> SceneTables<'a> {
             vertices: &o.mesh.vertices,
             indices: &o.mesh.indices,
             material: &o.mesh.material,
+            attributes: attributes(&o.mesh),
         };
         self.objects = scene.objects.iter().map(object).collect();
         self.sphere_material = scene.spheres.iter().map(|s| s.material).collect();
@@ -72,6 +79,39 @@ impl<'a> SceneTables<'a> {
             guide: guide?,
             objects: &self.objects,
         })
+    }
+
+    /// What traversals ask, where some material is not wholly there.
+    pub(crate) fn opacities(
+        &'a self,
+        scene: &'a Scene,
+        geometry: &'a Geometry,
+        seed: u32,
+    ) -> Option<Opacities<'a>> {
+        let coordinates = self.coordinates(scene, geometry);
+        self.images.as_ref()?.opacities(coordinates, seed)
+    }
+
+    /// Where single hits are in texture coordinates.
+    pub(crate) fn coordinates(
+        &'a self,
+        scene: &'a Scene,
+        geometry: &'a Geometry,
+    ) -> Coordinates<'a> {
+        Coordinates {
+            triangles: self.view(scene, geometry).triangles,
+            attributes: attributes(&scene.mesh),
+        }
+    }
+
+    /// What shares of mixtures read.
+    pub(crate) fn amounts(&self) -> Option<(Textures<'_>, &[u32])> {
+        self.images.as_ref().map(ImageTables::amounts)
+    }
+
+    fn view_of_attributes(&self, scene: &'a Scene) -> Option<Attributes<'a>> {
+        let read = scene.has_normals() || self.images.is_some();
+        read.then_some(attributes(&scene.mesh))
     }
 
     /// The view that kernels take.
@@ -92,12 +132,18 @@ impl<'a> SceneTables<'a> {
                 area_pdf: &self.lights.area_pdf,
             },
             lights: self.lights.view(scene),
-            attributes: (!scene.mesh.normals.is_empty()).then(|| Attributes {
-                normals: &scene.mesh.normals,
-                uvs: &scene.mesh.uvs,
-            }),
+            attributes: self.view_of_attributes(scene),
+            images: self.images.as_ref().map(ImageTables::view),
             media: self.media.as_ref().map(MediaTables::view),
         }
+    }
+}
+
+/// What a mesh's vertices carry.
+pub(crate) fn attributes(mesh: &Mesh) -> Attributes<'_> {
+    Attributes {
+        normals: &mesh.normals,
+        uvs: &mesh.uvs,
     }
 }
 

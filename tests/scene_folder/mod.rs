@@ -38,6 +38,13 @@ impl Folder {
         scene
     }
 
+    /// The scene that `text` describes.
+    #[track_caller]
+    pub(crate) fn scene_of(&self, text: &str) -> Scene {
+        std::fs::write(self.path("s.toml"), text).unwrap();
+        self.scene("s.toml")
+    }
+
     /// The message for the file `name`, which is wrong, without the folder's name.
     #[track_caller]
     pub(crate) fn error(&self, name: &str) -> String {

@@ -7,6 +7,7 @@ use crate::random::Random;
 use crate::sphere;
 use crate::table::Table;
 use glam::Vec3;
+use huygens::geometry::Preset;
 use huygens::scene::Mesh;
 use huygens_kernels::rays::NO_PRIMITIVE;
 
@@ -54,7 +55,11 @@ pub(crate) fn table(level: u32, n: usize, threads: usize) -> Result<Table, Strin
     let mesh = sphere::displaced(level);
     let device = Device::new(threads)?;
     let scene = |robust| Scene::prepare(&device, &mesh, Quality::Medium, robust)?.commit();
-    let (plain, robust, ours) = (scene(false)?, scene(true)?, Ours::build(&mesh));
+    let (plain, robust, ours) = (
+        scene(false)?,
+        scene(true)?,
+        Ours::build(&mesh, Preset::default()),
+    );
     let (plain, robust) = (Single(&plain), Single(&robust));
     let tracers: [(&str, &dyn Closest); 3] = [
         ("Huygens", &ours),

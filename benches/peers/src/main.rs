@@ -56,22 +56,29 @@ fn run(options: &Options) -> Result<(), String> {
         };
         eprintln!("{name}: {} triangles", subject.mesh.triangles());
         if options.build_rounds() > 0 {
-            let by_threads: Result<Vec<_>, _> = (1..=threads)
-                .map(|threads| builds::measure(&subject, threads, options.build_rounds()))
-                .collect();
-            builds.push((subject.name, by_threads?));
+            let by_threads = builds::measure(&subject, threads, options.build_rounds())?;
+            builds.push((subject.name, by_threads));
+            eprintln!("  {}", report::builds_line(&builds[builds.len() - 1..]));
+        }
+        if options.builds_only {
+            continue;
         }
         let measured = measure::measure(&subject, options.rays(), options.rounds(), threads)?;
         eprintln!("  {}", report::last_line(std::slice::from_ref(&measured)));
         all.push(measured);
     }
-    if all.is_empty() {
+    if all.is_empty() && builds.is_empty() {
         return Err("no mesh was measured".to_owned());
     }
+    if options.builds_only {
+        println!("{}", report::builds(&builds).text());
+        println!("{}", report::builds_line(&builds));
+        return Ok(());
+    }
     println!("{}", report::rays(&all).text());
-    let builds = report::builds(&builds);
-    if builds.has_rows() {
-        println!("{}", builds.text());
+    let table = report::builds(&builds);
+    if table.has_rows() {
+        println!("{}", table.text());
     }
     println!("{}", report::memory(&all).text());
     println!("{}", report::agreement(&all).text());
@@ -81,6 +88,7 @@ fn run(options: &Options) -> Result<(), String> {
         println!("Escapes from a closed mesh of 1,310,720 triangles, of {n} rays each:\n");
         println!("{}", leaks::table(LEAK_LEVEL, n, threads)?.text());
     }
+    println!("{}", report::builds_line(&builds));
     println!("{}", report::last_line(&all));
     Ok(())
 }

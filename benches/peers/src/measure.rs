@@ -7,6 +7,7 @@ use crate::ours::Ours;
 use crate::queue::{Closest, Found, Occluded, Queue};
 use crate::rounds::{Timings, Variant};
 use crate::sets::Sets;
+use huygens::geometry::Preset;
 
 /// What Huygens is called in timings.
 pub(crate) const OURS: &str = "ours";
@@ -72,9 +73,12 @@ pub(crate) fn measure(
 ) -> Result<Measured, String> {
     let device = Device::new(threads)?;
     let scenes = Scenes::build(&device, subject)?;
-    let ours = Ours::build(&subject.mesh);
+    let ours = Ours::build(&subject.mesh, Preset::default());
     let sets = Sets::make(subject, &ours, n)?;
-    let both = [(OURS, &ours), (BEST, &Ours::build_best(&subject.mesh))];
+    let both = [
+        (OURS, &ours),
+        (BEST, &Ours::build(&subject.mesh, Preset::Best)),
+    ];
     let mut timings = Vec::new();
     let mut agreement = Vec::new();
     for (name, queue) in [("camera", &sets.camera), ("b1", &sets.b1), ("b2", &sets.b2)] {

@@ -8,7 +8,8 @@ use std::path::PathBuf;
 /// Huygens' rays beside Embree's: same meshes, same queues, interleaved in one run, by CPU seconds
 /// of one thread.
 ///
-/// The last line is `median robust-ratio b2 X.XX sh1 X.XX`: how many times as fast as Embree's
+/// A line before it, `build balanced/medium X.XX efficiency X.XX`, is of builds: see the README. The
+/// last line is `median robust-ratio b2 X.XX sh1 X.XX`: how many times as fast as Embree's
 /// robust mode, as medians over the meshes, second-bounce and bounce shadow rays are.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "rays.sh", bin_name = "benches/peers/rays.sh")]
@@ -28,6 +29,9 @@ pub(crate) struct Options {
     /// Rounds of builds; 0 leaves them out [default: 3, quick: 1]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(..=1000))]
     build_rounds: Option<u32>,
+    /// Nothing but builds
+    #[arg(long)]
+    pub(crate) builds_only: bool,
     /// Rays of each kind in the leak check; 0 leaves it out [default: 1000000, quick: 100000]
     #[arg(long, value_name = "N")]
     leak_rays: Option<u32>,

@@ -13,13 +13,8 @@ pub(crate) struct Ours(Geometry);
 
 impl Ours {
     /// Builds on the current rayon pool.
-    pub(crate) fn build(mesh: &Mesh) -> Self {
-        Self(Geometry::build(mesh))
-    }
-
-    /// The tree of the `best` preset.
-    pub(crate) fn build_best(mesh: &Mesh) -> Self {
-        Self(Geometry::build_with(mesh, Preset::Best))
+    pub(crate) fn build(mesh: &Mesh, preset: Preset) -> Self {
+        Self(Geometry::build_with(mesh, preset))
     }
 
     /// Bytes of tree and leaf blocks.

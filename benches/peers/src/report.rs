@@ -99,37 +99,63 @@ pub(crate) fn builds(all: &[(&str, Vec<Builds>)]) -> Table {
     let mut table = Table::new(&[
         "builds, Mtriangles/s",
         "threads",
-        "Huygens",
+        "balanced",
+        "fast",
+        "best",
         "MEDIUM",
         "HIGH",
-        "Huygens / MEDIUM (range)",
+        "balanced / MEDIUM (range)",
         "by CPU",
-        "efficiency Huygens, MEDIUM",
-        "CPU/wall Huygens, MEDIUM",
+        "efficiency balanced (range)",
+        "of MEDIUM",
+        "CPU/wall balanced, MEDIUM",
+        "quiet rounds",
     ]);
     for (name, rows) in all {
-        let one = rows.iter().find(|b| b.threads == 1);
         for b in rows {
-            let efficiency = one.map_or_else(String::new, |one| {
-                let each = b.threads as f64;
-                let share = |many: f64, one: f64| 100.0 * many / (one * each);
-                let (ours, theirs) = (share(b.ours, one.ours), share(b.medium, one.medium));
-                format!("{ours:.0}%, {theirs:.0}%")
-            });
-            table.row(vec![
-                (*name).to_owned(),
-                b.threads.to_string(),
-                format!("{:.2}", b.ours),
-                format!("{:.2}", b.medium),
-                format!("{:.2}", b.high),
+            let efficiency = |spread| (b.threads > 1).then_some(spread);
+            let mut row = vec![(*name).to_owned(), b.threads.to_string()];
+            let rates = b.ours.iter().chain([&b.medium, &b.high]);
+            row.extend(rates.map(|rate| format!("{rate:.2}")));
+            row.extend([
                 ratio_and_range(Some(b.ratio)),
                 format!("{:.2}", b.cpu_ratio),
-                efficiency,
+                ratio_and_range(efficiency(b.efficiency[0])),
+                ratio(efficiency(b.efficiency[1])),
                 format!("{:.2}, {:.2}", b.busy[0], b.busy[1]),
+                b.quiet.to_string(),
             ]);
+            table.row(row);
         }
     }
     table
+}
+
+/// The line on builds that scripts read, of the largest number of threads: medians over the meshes
+/// whose rounds were quiet, or `n/a`.
+pub(crate) fn builds_line(all: &[(&str, Vec<Builds>)]) -> String {
+    let last = all.iter().filter_map(|(_, rows)| rows.last());
+    let quiet: Vec<&Builds> = last.filter(|b| b.quiet > 0).collect();
+    let middle = |of: &dyn Fn(&Builds) -> f64| {
+        let values: Vec<f64> = quiet.iter().map(|b| of(b)).collect();
+        if values.is_empty() {
+            "n/a".to_owned()
+        } else {
+            format!("{:.2}", median(&values))
+        }
+    };
+    let efficiency = |b: &Builds| {
+        if b.threads > 1 {
+            b.efficiency[0].median
+        } else {
+            f64::NAN
+        }
+    };
+    format!(
+        "build balanced/medium {} efficiency {}",
+        middle(&|b| b.ratio.median),
+        middle(&efficiency)
+    )
 }
 
 /// Whether both sides meet the same things.

@@ -7,7 +7,7 @@ use super::draw;
 use crate::cost::{Cost, columns, item};
 use crate::hemisphere::Frame;
 use crate::interpolate::{Interpolated, towards};
-use crate::lanes::{Fx, Ux, as_bits, as_mask, gather, gather_u32, store, store_u32};
+use crate::lanes::{Fx, Ux, as_bits, gather, gather_u32, store, store_u32};
 use crate::prefetch::Ahead;
 use crate::queues::{DrawnMut, Listed, PathHitsMut, PathsMut, SmoothMut, SurfacesMut};
 use crate::sampler::{Block, Sampler};
@@ -46,15 +46,17 @@ pub fn interact<S: Sampler>(
         let normal = Vec3x::select(front, outside, -outside);
         let mut shading = normal;
         if let (Some(attributes), Some(smooth)) = (&tables.attributes, &mut smooth) {
-            // Only triangles of the world carry attributes; others borrow one's.
-            let count = Ux::splat(tables.triangles.indices.len() as u32);
-            let own = as_mask(primitive.simd_lt(count));
-            let some = as_bits(own) & primitive;
-            let bent = Interpolated::at(&tables.triangles, attributes, some, u, v);
+            let bent = Interpolated::met(
+                &tables.triangles,
+                attributes,
+                primitive,
+                || outside,
+                (u, v),
+                || listed.times(at),
+            );
             let facing = Vec3x::select(front, bent.normal, -bent.normal);
-            let towards = towards(facing, normal, -direction);
-            shading = Vec3x::select(own, towards, normal);
-            store(smooth.coherence, i, own.select(bent.coherence, Fx::ONE));
+            shading = towards(facing, normal, -direction);
+            store(smooth.coherence, i, bent.coherence);
         }
         let s = &mut surfaces;
         place.point.store(&mut s.point, i);

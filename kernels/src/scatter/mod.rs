@@ -2,9 +2,9 @@
 //!
 //! * [`plain`]: Lambertian surfaces without textures or interpolated normals, in one pass from hit
 //!   to scattered path. Scenes that hold nothing else run nothing else.
-
-//!   between: what the surface is, one sample of its light, and what its BSDF makes of both, one
-//!   kernel a kind of BSDF.
+//! * [`interact`], [`texture`], [`light_up`], [`respond`]: all others, in passes with queues in
+//!   between: what the surface is, what images say of it, one sample of its light, and what its BSDF
+//!   makes of all that, one kernel a kind of BSDF.
 //! * [`disperse`]: what a path becomes before it meets a dispersive surface.
 //! * [`medium`]: scattering in a medium, without a surface.
 //! * [`ambient`]: ambient occlusion.
@@ -17,6 +17,7 @@ pub mod light_up;
 pub mod medium;
 pub mod plain;
 pub mod respond;
+pub mod texture;
 
 use crate::compact::Kept;
 use crate::hemisphere::{UNIFORM_PDF, cosine_pdf, sample_cosine, sample_uniform};

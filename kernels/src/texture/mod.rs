@@ -19,6 +19,7 @@
 //! Output: finite for finite texels; between the least and the greatest texel read, up to rounding.
 //! Reads, a lane: 48 bytes of texture use and texture, and 4 or 8 texels.
 
+mod single;
 mod texel;
 
 use crate::lanes::{Fx, LANES, Ux, as_mask};

@@ -165,7 +165,7 @@ fn materials(scene: &Scene) -> Vec<MaterialContents> {
         spheres,
         area,
         albedo: m.albedo(&scene.materials),
-        emission: m.emission.factor,
+        emission: m.emission.mean(&scene.textures),
         two_sided: m.two_sided,
     };
     scene.materials.iter().zip(worn).map(contents).collect()

@@ -5,8 +5,9 @@
 //! Lanes 3 and 7 belong to whoever stores something there; no operation reads them.
 
 use bytemuck::{Pod, Zeroable};
+use huygens_kernels::bvh::BLOCK;
 use obvhs::aabb::Aabb;
-use wide::{f32x4, f32x8};
+use wide::{f32x4, f32x8, i32x4};
 
 /// `-min x, -min y, -min z, any, max x, max y, max z, any`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -27,14 +28,6 @@ impl Bounds {
     #[must_use]
     pub(super) fn union(self, other: Self) -> Self {
         Self(self.0.fast_max(other.0))
-    }
-
-    /// Itself, or the box of nothing if `empty`; without a branch.
-    #[inline(always)]
-    #[must_use]
-    pub(super) fn or_empty(self, empty: bool) -> Self {
-        let mask = f32x8::splat(f32::from_bits(u32::from(empty).wrapping_neg()));
-        Self(mask.select(Self::EMPTY.0, self.0))
     }
 
     #[inline(always)]
@@ -60,6 +53,14 @@ impl Bounds {
     #[inline(always)]
     pub(super) fn half_area(self) -> f32 {
         let [x, y, z, _] = self.extent().fast_max(f32x4::ZERO).to_array();
+        (x + y) * z + x * y
+    }
+
+    /// As [`Self::half_area`] of each, to the last bit.
+    #[inline(always)]
+    pub(super) fn half_areas(boxes: [Self; 4]) -> f32x4 {
+        let columns = f32x4::transpose(boxes.map(Self::extent));
+        let [x, y, z, _] = columns.map(|extent| extent.fast_max(f32x4::ZERO));
         (x + y) * z + x * y
     }
 
@@ -91,5 +92,52 @@ impl Bounds {
             glam::Vec3A::from_slice(&low[..3]),
             glam::Vec3A::from_slice(&high[..3]),
         )
+    }
+}
+
+/// Area times blocks of four boxes that hold so many references; not a number, or infinite, where
+/// there are none.
+#[inline(always)]
+pub(super) fn costs(boxes: [Bounds; 4], counts: i32x4) -> f32x4 {
+    const { assert!(BLOCK.is_power_of_two()) };
+    let blocks = (counts + i32x4::splat(BLOCK as i32 - 1)) >> BLOCK.ilog2() as i32;
+    let none: f32x4 = bytemuck::cast(counts.simd_lt(i32x4::ONE));
+    Bounds::half_areas(boxes) * none.select(f32x4::splat(f32::INFINITY), blocks.round_float())
+}
+
+/// The least of many costs, four at a time, and the number that goes with it; of equal ones the one
+/// with the least number.
+pub(super) struct Least {
+    costs: f32x4,
+    numbers: i32x4,
+}
+
+impl Least {
+    pub(super) fn new() -> Self {
+        Self {
+            costs: f32x4::splat(f32::INFINITY),
+            numbers: i32x4::ZERO,
+        }
+    }
+
+    /// Considers four costs numbered from `first` on, which grows from call to call. What is no number
+    /// is not less.
+    #[inline(always)]
+    pub(super) fn consider(&mut self, costs: f32x4, first: usize) {
+        let less = costs.simd_lt(self.costs);
+        let numbers = i32x4::splat(first as i32) + i32x4::new([0, 1, 2, 3]);
+        self.costs = less.select(costs, self.costs);
+        self.numbers = bytemuck::cast::<f32x4, i32x4>(less).select(numbers, self.numbers);
+    }
+
+    /// Cost and number, if one was less than infinity.
+    #[inline(always)]
+    pub(super) fn get(&self) -> Option<(f32, usize)> {
+        let (costs, numbers) = (self.costs.to_array(), self.numbers.to_array());
+        // Costs are not negative, so their bits are in their order.
+        let key = |i: usize| u64::from(costs[i].to_bits()) << 32 | numbers[i] as u64;
+        let least = key(0).min(key(1)).min(key(2).min(key(3)));
+        let cost = f32::from_bits((least >> 32) as u32);
+        (cost < f32::INFINITY).then_some((cost, least as u32 as usize))
     }
 }

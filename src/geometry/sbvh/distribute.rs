@@ -6,7 +6,6 @@ use super::Task;
 use super::bounds::Bounds;
 use super::reference::{Cutter, Reference};
 use super::split::{Grid, Split};
-use super::sweep::Sweep;
 use crate::scene::Mesh;
 
 /// Both halves while they fill.
@@ -14,7 +13,6 @@ struct Halves<'a> {
     to: &'a mut [Reference],
     counts: [usize; 2],
     bounds: [Bounds; 2],
-    centres: [Bounds; 2],
 }
 
 impl<'a> Halves<'a> {
@@ -23,7 +21,6 @@ impl<'a> Halves<'a> {
             to,
             counts: [0; 2],
             bounds: [Bounds::EMPTY; 2],
-            centres: [Bounds::EMPTY; 2],
         }
     }
 
@@ -35,9 +32,7 @@ impl<'a> Halves<'a> {
         let at = if upper { self.to.len() - 1 - high } else { low };
         self.to[at] = reference;
         self.counts[half] += 1;
-        let bounds = reference.bounds();
-        self.bounds[half] = self.bounds[half].union(bounds);
-        self.centres[half] = self.centres[half].union(bounds.twice_centre());
+        self.bounds[half] = self.bounds[half].union(reference.bounds());
     }
 
     /// The halves as tasks, with the room that is left in proportion to their references.
@@ -54,7 +49,6 @@ impl<'a> Halves<'a> {
             valid: 0..low,
             to: from_low,
             bounds: self.bounds[0],
-            centres: self.centres[0],
             depth: depth + 1,
         };
         let upper = Task {
@@ -62,7 +56,6 @@ impl<'a> Halves<'a> {
             valid: end - high..end,
             to: from_high,
             bounds: self.bounds[1],
-            centres: self.centres[1],
             depth: depth + 1,
         };
         (lower, upper)
@@ -80,38 +73,24 @@ impl<'a> Task<'a> {
         halves.finish(self.from, self.depth)
     }
 
-    /// Parts a few references as a sweep has found.
-    pub(super) fn sort(self, few: &Sweep) -> (Task<'a>, Task<'a>) {
-        let mut halves = Halves::new(self.to);
-        let references = &self.from[self.valid];
-        for (i, &at) in few.order[..references.len()].iter().enumerate() {
-            halves.push(i >= few.lower, references[at as usize]);
-        }
-        halves.finish(self.from, self.depth)
-    }
-
     /// Parts the references by their centres, as `split` on `grid` says.
     pub(super) fn part(self, grid: &Grid, split: &Split) -> (Task<'a>, Task<'a>) {
         // Each reference is written to both ends and counted at one: which one it is has no pattern
-        // that a branch could be predicted from. Sums stay in registers for the same reason.
+        // that a branch could be predicted from.
         let (mut low, mut high) = (0, 0);
-        let (mut centres_low, mut centres_high) = (Bounds::EMPTY, Bounds::EMPTY);
         let last = self.to.len() - 1;
+        let reaches = grid.reaches(split.axis, split.bin);
         for &reference in &self.from[self.valid] {
-            let centre = reference.bounds().twice_centre();
-            let upper = grid.bin(centre.max())[split.axis] >= split.bin;
+            let upper = reaches(reference.bounds());
             self.to[low] = reference;
             self.to[last - high] = reference;
             low += usize::from(!upper);
             high += usize::from(upper);
-            centres_low = centres_low.union(centre.or_empty(upper));
-            centres_high = centres_high.union(centre.or_empty(!upper));
         }
         let halves = Halves {
             to: self.to,
             counts: [low, high],
             bounds: split.halves,
-            centres: [centres_low, centres_high],
         };
         halves.finish(self.from, self.depth)
     }

@@ -8,33 +8,38 @@
 //! knows its room from the start, its tasks share no counter, and the tree does not depend on the
 //! number of threads.
 //!
-//! **Bounds.** A path has at most [`HALVE_FROM`] chosen splits; below, nodes are cut in the middle
-//! of their list. So time is O(n log n) and the depth bounded, whatever comes in.
+//! **Speed.** Large nodes take several splits at once on a grid (`cells`), smaller ones one by one
+//! between bins (`split`, `distribute`), and the last few references are swept (`sweep`).
+//!
+//! **Bounds.** From a depth of [`HALVE_FROM`] on no grid is made, and nodes are cut in the middle of
+//! their list until a sweep can take them. A grid adds fewer levels than it has planes, a sweep fewer
+//! than it has references. So time is O(n log n) and the depth bounded, whatever comes in.
 
 mod bounds;
+mod cells;
 mod distribute;
+mod grown;
 mod reference;
 mod split;
 mod sweep;
+#[cfg(test)]
+mod tests_of_few_and_many;
 
-use super::build::Binary;
+use super::{build::Binary, pages};
 use crate::scene::Mesh;
 use bounds::Bounds;
-use huygens_kernels::bvh::BLOCK;
-use obvhs::bvh2::node::Bvh2Node;
+use cells::Plan;
+use grown::Grown;
 use rayon::prelude::*;
 use reference::Reference;
-use split::Grid;
+use split::{CHUNK, Grid};
 use std::ops::Range;
-use sweep::{FEW, Sweep};
+use sweep::FEW;
 
 /// A spatial split is tried where the halves of the object split overlap by more than this share
 /// of the root's area (the paper's alpha, there 1e-5, which takes longer and gains nothing; nor
 /// does it gain anything to cut a few references).
 const OVERLAP: f32 = 1e-4;
-/// A block's worth of references is split all the same where that leaves less than this share of
-/// the area: they lie far apart. (More splits would gain hardly anything, and cost memory.)
-const SPREAD: f32 = 0.8;
 /// Depth from which on nodes are halved.
 const HALVE_FROM: u32 = 64;
 /// References from which on the halves of a node are built in parallel.
@@ -48,22 +53,17 @@ const FORK: usize = 1 << 12;
 /// If nothing is kept.
 pub(super) fn build(mesh: &Mesh, kept: &[u32], budget: f32) -> Binary {
     let room = kept.len() + (kept.len() as f32 * budget) as usize;
-    let mut from: Vec<Reference> = Vec::with_capacity(room);
-    kept.par_iter()
-        .map(|&i| {
+    let mut from: Vec<Reference> = pages::zeroed(room);
+    let mut to: Vec<Reference> = pages::zeroed(room);
+    let bounds = from[..kept.len()]
+        .par_iter_mut()
+        .zip(kept)
+        .map(|(reference, &i)| {
             let [a, b, c] = mesh.corners(i as usize).map(Bounds::point);
-            Reference::new(a.union(b).union(c), i)
+            *reference = Reference::new(a.union(b).union(c), i);
+            reference.bounds()
         })
-        .collect_into_vec(&mut from);
-    let (bounds, centres) = from
-        .par_iter()
-        .map(|r| (r.bounds(), r.bounds().twice_centre()))
-        .reduce(
-            || (Bounds::EMPTY, Bounds::EMPTY),
-            |a, b| (a.0.union(b.0), a.1.union(b.1)),
-        );
-    from.resize(room, Reference::new(Bounds::EMPTY, 0));
-    let mut to = from.clone();
+        .reduce(|| Bounds::EMPTY, Bounds::union);
     let builder = Builder {
         mesh,
         overlap: bounds.half_area() * OVERLAP,
@@ -73,20 +73,11 @@ pub(super) fn build(mesh: &Mesh, kept: &[u32], budget: f32) -> Binary {
         from: &mut from,
         to: &mut to,
         bounds,
-        centres,
         depth: 0,
     };
     let grown = builder.grow(root);
     drop((from, to));
-    let (nodes, triangles) = grown.len();
-    let mut tree = Binary {
-        nodes: Vec::with_capacity(nodes),
-        triangles: Vec::with_capacity(triangles),
-        repeats: triangles > kept.len(),
-    };
-    tree.nodes.push(Bvh2Node::default());
-    grown.write(0, &mut tree);
-    tree
+    grown.into_tree(kept.len())
 }
 
 /// What all nodes share.
@@ -105,104 +96,123 @@ struct Task<'a> {
     to: &'a mut [Reference],
     /// Around the references.
     bounds: Bounds,
-    /// Around twice their centres.
-    centres: Bounds,
     depth: u32,
 }
 
-impl Task<'_> {
-    /// The best way to part a few references, two at least, above the depth where all is halved.
-    fn sweep(&self) -> Option<Sweep> {
-        let few = (2..=FEW).contains(&self.valid.len()) && self.depth < HALVE_FROM;
-        few.then(|| sweep::sweep(&self.from[self.valid.clone()]))
-    }
-}
-
-/// A subtree that is built.
-enum Grown {
-    /// Built by one task: the subtree's root comes first.
-    Run(Binary),
-    /// Two halves that were built in parallel.
-    Fork(Bounds, Box<[Grown; 2]>),
-}
-
-impl Grown {
-    /// Nodes and references.
-    fn len(&self) -> (usize, usize) {
-        match self {
-            Self::Run(run) => (run.nodes.len(), run.triangles.len()),
-            Self::Fork(_, halves) => {
-                let [low, high] = halves.each_ref().map(Self::len);
-                (1 + low.0 + high.0, low.1 + high.1)
-            }
+impl<'a> Task<'a> {
+    /// A bucket of a grid, which has no room to spare.
+    fn of_bucket(
+        plan: &Plan,
+        from: &'a mut [Reference],
+        to: &'a mut [Reference],
+        depth: u32,
+    ) -> Self {
+        Self {
+            valid: 0..from.len(),
+            bounds: plan.bounds,
+            from,
+            to,
+            depth,
         }
     }
 
-    /// Writes the root to `tree.nodes[at]` and appends the others.
-    fn write(self, at: usize, tree: &mut Binary) {
-        match self {
-            Self::Run(run) => {
-                // Indices in the run count from its root; its second node comes next.
-                let nodes = tree.nodes.len() as u32 - 1;
-                let triangles = tree.triangles.len() as u32;
-                let moved = |mut node: Bvh2Node| {
-                    node.first_index += if node.is_leaf() { triangles } else { nodes };
-                    node
-                };
-                tree.nodes[at] = moved(run.nodes[0]);
-                tree.nodes
-                    .extend(run.nodes[1..].iter().map(|&node| moved(node)));
-                tree.triangles.extend(run.triangles);
-            }
-            Self::Fork(bounds, halves) => {
-                let first = tree.nodes.len();
-                tree.nodes[at] = Bvh2Node::new(bounds.to_aabb(), 0, first as u32);
-                tree.nodes.extend([Bvh2Node::default(); 2]);
-                let [low, high] = *halves;
-                low.write(first, tree);
-                high.write(first + 1, tree);
-            }
+    /// The splits that a grid gives, if the task has no room to spare and is large enough.
+    fn plan(&mut self) -> Option<Plan> {
+        let whole = self.valid.len() == self.from.len();
+        if !whole || self.from.len() < cells::FROM || self.depth >= HALVE_FROM {
+            return None;
         }
+        cells::part(self.from, self.to, centres(self.from))
     }
+}
+
+/// Around twice the centres.
+fn centres(references: &[Reference]) -> Bounds {
+    let around = |references: &[Reference]| {
+        let twice = references.iter().map(|r| r.bounds().twice_centre());
+        twice.fold(Bounds::EMPTY, Bounds::union)
+    };
+    if references.len() < 2 * CHUNK {
+        return around(references);
+    }
+    let parts = references.par_chunks(CHUNK).map(around);
+    parts.reduce(|| Bounds::EMPTY, Bounds::union)
 }
 
 impl Builder<'_> {
-    fn grow(&self, task: Task) -> Grown {
+    fn grow(&self, mut task: Task) -> Grown {
         if task.valid.len() < FORK {
-            let mut run = Binary {
-                nodes: Vec::with_capacity(task.valid.len()),
-                triangles: Vec::with_capacity(task.from.len()),
-                repeats: false,
-            };
-            run.nodes.push(Bvh2Node::default());
-            self.run(task, 0, &mut run);
-            return Grown::Run(run);
+            return Grown::run(task.valid.len(), task.from.len(), |run| {
+                self.run(task, 0, run);
+            });
         }
         let bounds = task.bounds;
+        if let Some(plan) = task.plan() {
+            return self.follow(&plan, task.to, task.from, task.depth);
+        }
         let (low, high) = self.divide(task);
         let (low, high) = rayon::join(|| self.grow(low), || self.grow(high));
         Grown::Fork(bounds, Box::new([low, high]))
     }
 
-    /// Builds a subtree whose root is `run.nodes[at]`.
-    fn run(&self, task: Task, at: usize, run: &mut Binary) {
-        let aabb = task.bounds.to_aabb();
-        let count = task.valid.len();
-        let few = task.sweep();
-        if count <= BLOCK && few.is_none_or(|few| few.cost >= SPREAD * task.bounds.half_area()) {
-            run.nodes[at] = Bvh2Node::new(aabb, count as u32, run.triangles.len() as u32);
-            let references = &task.from[task.valid];
-            run.triangles
-                .extend(references.iter().map(|r| r.triangle()));
-            return;
-        }
-        let first = run.nodes.len();
-        run.nodes[at] = Bvh2Node::new(aabb, 0, first as u32);
-        run.nodes.extend([Bvh2Node::default(); 2]);
-        let (low, high) = match few {
-            Some(few) => task.sort(&few),
-            None => self.divide(task),
+    /// Builds the subtree that begins with the splits of `plan`, which have put the references to `from`.
+    fn follow(
+        &self,
+        plan: &Plan,
+        from: &mut [Reference],
+        to: &mut [Reference],
+        depth: u32,
+    ) -> Grown {
+        let Some(halves) = &plan.halves else {
+            return self.grow(Task::of_bucket(plan, from, to, depth));
         };
+        let n = plan.count;
+        if n < FORK {
+            return Grown::run(n, n, |run| self.run_plan(plan, from, to, depth, 0, run));
+        }
+        let (from, to) = (
+            from.split_at_mut(halves[0].count),
+            to.split_at_mut(halves[0].count),
+        );
+        let (low, high) = rayon::join(
+            || self.follow(&halves[0], from.0, to.0, depth + 1),
+            || self.follow(&halves[1], from.1, to.1, depth + 1),
+        );
+        Grown::Fork(plan.bounds, Box::new([low, high]))
+    }
+
+    /// As [`Self::follow`], with its root at `run.nodes[at]`.
+    fn run_plan(
+        &self,
+        plan: &Plan,
+        from: &mut [Reference],
+        to: &mut [Reference],
+        depth: u32,
+        at: usize,
+        run: &mut Binary,
+    ) {
+        let Some(halves) = &plan.halves else {
+            return self.run(Task::of_bucket(plan, from, to, depth), at, run);
+        };
+        let first = run.fork(at, plan.bounds);
+        let (from, to) = (
+            from.split_at_mut(halves[0].count),
+            to.split_at_mut(halves[0].count),
+        );
+        self.run_plan(&halves[0], from.0, to.0, depth + 1, first, run);
+        self.run_plan(&halves[1], from.1, to.1, depth + 1, first + 1, run);
+    }
+
+    /// Builds a subtree whose root is `run.nodes[at]`.
+    fn run(&self, mut task: Task, at: usize, run: &mut Binary) {
+        if task.valid.len() <= FEW {
+            return sweep::grow(&mut task.from[task.valid], task.bounds, at, run);
+        }
+        if let Some(plan) = task.plan() {
+            return self.run_plan(&plan, task.to, task.from, task.depth, at, run);
+        }
+        let first = run.fork(at, task.bounds);
+        let (low, high) = self.divide(task);
         self.run(low, first, run);
         self.run(high, first + 1, run);
     }
@@ -215,7 +225,7 @@ impl Builder<'_> {
         let references = &task.from[task.valid.clone()];
         let n = references.len();
         let spare = task.from.len() - n;
-        let centres = Grid::new(task.centres);
+        let centres = Grid::new(centres(references));
         let object = split::object(references, &centres);
         let overlap = object.map_or(f32::INFINITY, |split| {
             let [a, b] = split.halves;

@@ -6,23 +6,16 @@
 //! tried are those between [`BINS`] equal bins along each axis. The cost of two halves is the sum
 //! of area times blocks of triangles, which is what a leaf costs.
 
-use super::bounds::Bounds;
+use super::bounds::{Bounds, Least, costs};
 use super::reference::{Cutter, Reference};
 use crate::scene::Mesh;
-use huygens_kernels::bvh::BLOCK;
 use rayon::prelude::*;
-use wide::f32x4;
+use wide::{f32x4, i32x4};
 
 /// Bins along an axis.
 pub(super) const BINS: usize = 16;
 /// References that one task puts into bins.
-const CHUNK: usize = 1 << 14;
-
-/// Area times the blocks that hold `count` references.
-#[inline(always)]
-pub(super) fn cost(area: f32, count: usize) -> f32 {
-    area * count.div_ceil(BLOCK) as f32
-}
+pub(super) const CHUNK: usize = 1 << 14;
 
 /// A way to split.
 #[derive(Clone, Copy, Debug)]
@@ -72,9 +65,21 @@ impl Grid {
         [x, y, z].map(|i| i as usize % BINS)
     }
 
-    /// Whether the axis has bins at all.
-    pub(super) fn divides(&self, axis: usize) -> bool {
-        self.scale.as_array()[axis] > 0.0
+    /// Whether the bin along `axis`, by its centre, of what has some bounds is `bin` or above; not for
+    /// bin 0.
+    pub(super) fn reaches(&self, axis: usize, bin: usize) -> impl Fn(Bounds) -> bool + use<> {
+        let (low, scale) = (self.low.as_array()[axis], self.scale.as_array()[axis]);
+        let bin = bin as f32;
+        move |bounds| {
+            let lanes = bounds.0.as_array();
+            let centre = lanes[axis + 4] - lanes[axis];
+            (centre - low) * scale >= bin
+        }
+    }
+
+    /// Which axes have bins at all.
+    fn divides(&self) -> [bool; 3] {
+        [0, 1, 2].map(|axis| self.scale.as_array()[axis] > 0.0)
     }
 
     /// The plane below `bin`.
@@ -87,18 +92,26 @@ impl Grid {
 /// Boxes and counts of what the bins hold. References that begin in a bin and those that end in it
 /// are counted apart; for object splits the two are the same.
 #[derive(Clone)]
-struct Bins {
+pub(super) struct Bins {
     bounds: [[Bounds; BINS]; 3],
     begin: [[u32; BINS]; 3],
     end: [[u32; BINS]; 3],
 }
 
 impl Bins {
-    const EMPTY: Self = Self {
+    pub(super) const EMPTY: Self = Self {
         bounds: [[Bounds::EMPTY; BINS]; 3],
         begin: [[0; BINS]; 3],
         end: [[0; BINS]; 3],
     };
+
+    /// Adds `count` references, with `bounds` around them, that begin and end in a bin.
+    #[inline(always)]
+    pub(super) fn add(&mut self, axis: usize, bin: usize, bounds: Bounds, count: u32) {
+        self.bounds[axis][bin] = self.bounds[axis][bin].union(bounds);
+        self.begin[axis][bin] += count;
+        self.end[axis][bin] += count;
+    }
 
     /// Bins `references`, in parallel where there are many. Maxima and integer sums do not depend
     /// on how the work is cut up.
@@ -130,38 +143,48 @@ impl Bins {
         self
     }
 
-    /// The cheapest plane between two bins that leaves something on both sides.
-    fn best(&self, grid: &Grid) -> Option<Split> {
-        let mut best: Option<Split> = None;
-        for axis in (0..3).filter(|&axis| grid.divides(axis)) {
-            let mut above = [(Bounds::EMPTY, 0usize); BINS];
-            let mut sum = (Bounds::EMPTY, 0);
-            for bin in (1..BINS).rev() {
-                sum.0 = sum.0.union(self.bounds[axis][bin]);
-                sum.1 += self.end[axis][bin] as usize;
-                above[bin] = sum;
-            }
-            let mut below = (Bounds::EMPTY, 0);
+    /// The cheapest plane between two bins, along the axes that have any, that leaves something on
+    /// both sides.
+    pub(super) fn best(&self, divides: [bool; 3]) -> Option<Split> {
+        let mut least = Least::new();
+        for axis in (0..3).filter(|&axis| divides[axis]) {
+            let bounds = &self.bounds[axis];
+            let (mut below, mut above) = ([Bounds::EMPTY; BINS], [Bounds::EMPTY; BINS]);
+            let (mut lower, mut upper) = ([0; BINS], [0; BINS]);
+            above[BINS - 1] = bounds[BINS - 1];
+            upper[BINS - 1] = self.end[axis][BINS - 1] as i32;
             for bin in 1..BINS {
-                below.0 = below.0.union(self.bounds[axis][bin - 1]);
-                below.1 += self.begin[axis][bin - 1] as usize;
-                let above = above[bin];
-                if below.1 == 0 || above.1 == 0 {
-                    continue;
-                }
-                let cost = cost(below.0.half_area(), below.1) + cost(above.0.half_area(), above.1);
-                if best.is_none_or(|best| cost < best.cost) {
-                    best = Some(Split {
-                        cost,
-                        axis,
-                        bin,
-                        halves: [below.0, above.0],
-                        counts: [below.1, above.1],
-                    });
-                }
+                below[bin] = below[bin - 1].union(bounds[bin - 1]);
+                lower[bin] = lower[bin - 1] + self.begin[axis][bin - 1] as i32;
+                let bin = BINS - 1 - bin;
+                above[bin] = above[bin + 1].union(bounds[bin]);
+                upper[bin] = upper[bin + 1] + self.end[axis][bin] as i32;
+            }
+            for four in (0..BINS).step_by(4) {
+                let boxes = |boxes: &[Bounds; BINS]| std::array::from_fn(|i| boxes[four + i]);
+                let counts = |n: &[i32; BINS]| i32x4::new(std::array::from_fn(|i| n[four + i]));
+                let costs =
+                    costs(boxes(&below), counts(&lower)) + costs(boxes(&above), counts(&upper));
+                least.consider(costs, axis * BINS + four);
             }
         }
-        best
+        let (cost, best) = least.get()?;
+        let (axis, bin) = (best / BINS, best % BINS);
+        let around = |bins: std::ops::Range<usize>| {
+            let boxes = self.bounds[axis][bins].iter();
+            boxes.fold(Bounds::EMPTY, |sum, &of| sum.union(of))
+        };
+        let count = |bins: &[u32]| bins.iter().sum::<u32>() as usize;
+        Some(Split {
+            cost,
+            axis,
+            bin,
+            halves: [around(0..bin), around(bin..BINS)],
+            counts: [
+                count(&self.begin[axis][..bin]),
+                count(&self.end[axis][bin..]),
+            ],
+        })
     }
 }
 
@@ -180,7 +203,7 @@ pub(super) fn object(references: &[Reference], grid: &Grid) -> Option<Split> {
     };
     let mut bins = Bins::collect(references, put);
     bins.end = bins.begin;
-    bins.best(grid)
+    bins.best(grid.divides())
 }
 
 /// The best spatial split on `grid`, which spans the node.
@@ -212,5 +235,5 @@ pub(super) fn spatial(mesh: &Mesh, references: &[Reference], grid: &Grid) -> Opt
             }
         }
     };
-    Bins::collect(references, put).best(grid)
+    Bins::collect(references, put).best(grid.divides())
 }

@@ -1,20 +1,53 @@
-//! The best object split of a few references, exactly: every way to part them in the order of their
-//! centres along an axis. Cheaper than bins as long as there are fewer references than bins, and
-//! there are more such nodes than of all others together.
+//! The best object split of a few references: of up to four, every way to part them; of more, every
+//! way in the order of their centres along an axis. Cheaper than bins as long as there are fewer
+//! references than bins, and there are more such nodes than of all others together: so loops have
+//! fixed lengths, filled up with boxes of nothing, and nothing but the last choice is a branch.
 
-use super::bounds::Bounds;
+use super::bounds::{Bounds, Least, costs};
 use super::reference::Reference;
-use super::split::cost;
+use crate::geometry::build::Binary;
+use huygens_kernels::bvh::BLOCK;
+use obvhs::bvh2::node::Bvh2Node;
+use wide::{f32x4, i32x4};
 
 /// Most references that are swept.
 pub(super) const FEW: usize = 16;
+/// A block's worth of references is split all the same where that leaves less than this share of
+/// the area: they lie far apart. (More splits would gain hardly anything, and cost memory.)
+const SPREAD: f32 = 0.8;
+
+/// Builds the subtree over up to [`FEW`] references, at least one, with its root at `run.nodes[at]`.
+pub(super) fn grow(references: &mut [Reference], bounds: Bounds, at: usize, run: &mut Binary) {
+    let n = references.len();
+    let split = (n > 1).then(|| sweep(references));
+    if n <= BLOCK && split.is_none_or(|split| split.cost >= SPREAD * bounds.half_area()) {
+        run.nodes[at] = Bvh2Node::new(bounds.to_aabb(), n as u32, run.triangles.len() as u32);
+        run.triangles
+            .extend(references.iter().map(|r| r.triangle()));
+        return;
+    }
+    let Some(split) = split else { return };
+    let mut copy = [Reference::new(Bounds::EMPTY, 0); FEW];
+    copy[..n].copy_from_slice(references);
+    for (to, &from) in references.iter_mut().zip(&split.order) {
+        *to = copy[from as usize % FEW];
+    }
+    let around = |half: &[Reference]| {
+        let boxes = half.iter().map(|r| r.bounds());
+        boxes.fold(Bounds::EMPTY, Bounds::union)
+    };
+    let first = run.fork(at, bounds);
+    let (low, high) = references.split_at_mut(split.lower);
+    grow(low, around(low), first, run);
+    grow(high, around(high), first + 1, run);
+}
 
 /// A way to part at most [`FEW`] references.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sweep {
     /// Sum over the halves of area times blocks.
     pub(super) cost: f32,
-    /// The references in order along the axis.
+    /// The references, the lower half's before the upper half's.
     pub(super) order: [u8; FEW],
     /// How many of them are in the lower half.
     pub(super) lower: usize,
@@ -23,43 +56,116 @@ pub(super) struct Sweep {
 /// The best split of 2 to [`FEW`] references; of equally good ones the first. Equal centres keep
 /// their order, so there always is one.
 pub(super) fn sweep(references: &[Reference]) -> Sweep {
+    debug_assert!((2..=FEW).contains(&references.len()));
+    match references.len() {
+        0..=4 => any_two(references),
+        5..=8 => along_axes::<8>(references),
+        _ => along_axes::<FEW>(references),
+    }
+}
+
+/// Ways to part four references, and how many of them are in the lower half. The first three are the
+/// ways to part three.
+const PARTS: [([u8; 4], usize); 7] = [
+    ([0, 1, 2, 3], 2),
+    ([0, 2, 1, 3], 2),
+    ([1, 2, 0, 3], 2),
+    ([1, 2, 3, 0], 3),
+    ([0, 2, 3, 1], 3),
+    ([0, 1, 3, 2], 3),
+    ([0, 1, 2, 3], 3),
+];
+
+/// The best way to part two to four references, of all that there are. Each half is a block.
+fn any_two(references: &[Reference]) -> Sweep {
+    const { assert!(BLOCK == 4) };
     let n = references.len();
-    debug_assert!((2..=FEW).contains(&n));
-    let mut best = Sweep {
-        cost: f32::INFINITY,
-        order: std::array::from_fn(|i| i as u8),
-        lower: n / 2,
+    let one = |i: usize| references.get(i).map_or(Bounds::EMPTY, |r| r.bounds());
+    let [a, b, c, d] = [0, 1, 2, 3].map(one);
+    let (cost, (order, lower)) = if n == 2 {
+        (a.half_area() + b.half_area(), ([0, 1, 2, 3], 1))
+    } else {
+        let (ab, cd, nothing) = (a.union(b), c.union(d), Bounds::EMPTY);
+        let two_and_two = Bounds::half_areas([ab, a.union(c), b.union(c), nothing])
+            + Bounds::half_areas([cd, b.union(d), a.union(d), nothing]);
+        let three_and_one =
+            Bounds::half_areas([b.union(cd), a.union(cd), ab.union(d), ab.union(c)])
+                + Bounds::half_areas([a, b, c, d]);
+        let [p, q, r, _] = two_and_two.to_array();
+        let [s, t, u, v] = three_and_one.to_array();
+        let ways = [p, q, r, s, t, u, v];
+        let ways = if n == 3 { &ways[..3] } else { &ways[..] };
+        let (mut cost, mut best) = (ways[0], 0);
+        for (way, &other) in ways.iter().enumerate().skip(1) {
+            best = if other < cost { way } else { best };
+            cost = cost.min(other);
+        }
+        (cost, PARTS[best])
     };
-    for axis in 0..3 {
-        let mut order = [(0.0f32, 0u8); FEW];
-        for (i, reference) in references.iter().enumerate() {
-            let centre = reference.bounds().twice_centre().max().as_array()[axis];
-            let mut at = i;
-            while at > 0 && order[at - 1].0 > centre {
-                order[at] = order[at - 1];
-                at -= 1;
-            }
-            order[at] = (centre, i as u8);
-        }
-        let bounds = |i: usize| references[order[i].1 as usize % n].bounds();
-        let mut below = [0.0; FEW];
-        let mut sum = Bounds::EMPTY;
-        for lower in 1..n {
-            sum = sum.union(bounds(lower - 1));
-            below[lower] = cost(sum.half_area(), lower);
-        }
-        sum = Bounds::EMPTY;
-        for lower in (1..n).rev() {
-            sum = sum.union(bounds(lower));
-            let cost = below[lower] + cost(sum.half_area(), n - lower);
-            if cost < best.cost {
-                best = Sweep {
-                    cost,
-                    order: order.map(|(_, i)| i),
-                    lower,
-                };
-            }
+    let mut all = [0; FEW];
+    all[..4].copy_from_slice(&order);
+    Sweep {
+        cost,
+        order: all,
+        lower,
+    }
+}
+
+/// The best way to part up to `N` references in the order of their centres along an axis.
+fn along_axes<const N: usize>(references: &[Reference]) -> Sweep {
+    let n = references.len();
+    let mut boxes = [Bounds::EMPTY; N];
+    let mut centres = [f32x4::splat(f32::INFINITY); N];
+    for (i, reference) in references.iter().enumerate() {
+        boxes[i] = reference.bounds();
+        centres[i] = boxes[i].twice_centre().max();
+    }
+    let mut orders = [[0u8; FEW]; 3];
+    for (i, places) in places(&centres).iter().enumerate() {
+        for axis in 0..3 {
+            orders[axis][places[axis] as usize % FEW] = i as u8;
         }
     }
-    best
+    let mut least = Least::new();
+    for axis in 0..3 {
+        let bounds = |i: usize| boxes[orders[axis][i] as usize % N];
+        let (mut below, mut above) = ([Bounds::EMPTY; N], [Bounds::EMPTY; N]);
+        for lower in 1..N {
+            below[lower] = below[lower - 1].union(bounds(lower - 1));
+        }
+        above[N - 1] = bounds(N - 1);
+        for lower in (1..N - 1).rev() {
+            above[lower] = above[lower + 1].union(bounds(lower));
+        }
+        for four in (0..N).step_by(4) {
+            let boxes = |boxes: &[Bounds; N]| std::array::from_fn(|i| boxes[four + i]);
+            let lower = i32x4::splat(four as i32) + i32x4::new([0, 1, 2, 3]);
+            let upper = i32x4::splat(n as i32) - lower;
+            let costs = costs(boxes(&below), lower) + costs(boxes(&above), upper);
+            least.consider(costs, axis * N + four);
+        }
+    }
+    // Where all costs are infinite, any split will do.
+    let (cost, best) = least.get().unwrap_or((f32::INFINITY, n / 2));
+    Sweep {
+        cost,
+        order: orders[best / N % 3],
+        lower: best % N,
+    }
+}
+
+/// Which place each centre has along each axis; equal ones keep their order.
+#[inline(always)]
+fn places<const N: usize>(centres: &[f32x4; N]) -> [[i32; 4]; N] {
+    std::array::from_fn(|i| {
+        // What is true is -1.
+        let mut place = i32x4::ZERO;
+        for j in 0..i {
+            place -= bytemuck::cast::<f32x4, i32x4>(centres[j].simd_le(centres[i]));
+        }
+        for j in i + 1..N {
+            place -= bytemuck::cast::<f32x4, i32x4>(centres[j].simd_lt(centres[i]));
+        }
+        place.to_array()
+    })
 }

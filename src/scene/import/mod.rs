@@ -47,6 +47,8 @@ pub struct Counts {
     pub spheres: u64,
     /// Instances.
     pub instances: u64,
+    /// Bytes of textures with their mip levels.
+    pub texture_bytes: u64,
 }
 
 impl std::ops::Add for Counts {
@@ -57,6 +59,7 @@ impl std::ops::Add for Counts {
             triangles: self.triangles.saturating_add(other.triangles),
             spheres: self.spheres.saturating_add(other.spheres),
             instances: self.instances.saturating_add(other.instances),
+            texture_bytes: self.texture_bytes.saturating_add(other.texture_bytes),
         }
     }
 }

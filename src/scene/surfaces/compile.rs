@@ -6,9 +6,7 @@ use super::glass;
 use super::images::{Images, Wanted};
 use super::said::{self, Kind};
 use crate::scene::error::SceneError;
-use crate::scene::material::{
-    AlphaMask, Bsdf, Dielectric, Material, NormalMap, Principled, Relief,
-};
+use crate::scene::material::{Alpha, Bsdf, Dielectric, Material, NormalMap, Principled, Relief};
 use crate::scene::toml::{SceneFile, suggest};
 use huygens_kernels::bsdf::fresnel::METALS;
 use std::collections::BTreeMap;
@@ -127,7 +125,7 @@ impl Compiler<'_, '_> {
         })
     }
 
-    fn alpha(&mut self, m: &said::Material) -> Result<Option<AlphaMask>, SceneError> {
+    fn alpha(&mut self, m: &said::Material) -> Result<Option<Alpha>, SceneError> {
         let cutoff = m.alpha_cutoff.as_ref();
         if m.alpha.is_none() {
             let message = "cuts `alpha`, which is not there";
@@ -136,9 +134,9 @@ impl Compiler<'_, '_> {
                 None => Ok(None),
             };
         }
-        Ok(Some(AlphaMask {
-            alpha: self.images.opacity(&m.alpha)?,
-            cutoff: cutoff.map_or(0.5, |c| c.get_ref().0 as f32),
+        Ok(Some(Alpha {
+            opacity: self.images.opacity(&m.alpha)?,
+            cutoff: cutoff.map(|c| c.get_ref().0 as f32),
         }))
     }
 

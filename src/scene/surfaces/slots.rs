@@ -106,59 +106,70 @@ impl Material {
     }
 
     /// The textures that it reads, by index.
-    pub(in crate::scene) fn textures(&self) -> Vec<u32> {
+    pub(crate) fn textures(&self) -> Vec<u32> {
         let mut copy = self.clone();
         let slots = copy.textures_mut();
         slots.iter().map(Slot::texture).collect()
     }
 
+    /// Whether images vary what it does with light.
+    #[must_use]
+    pub(crate) fn is_varied(&self) -> bool {
+        let mut slots = Vec::new();
+        let mut bsdf = self.bsdf.clone();
+        bsdf.textures_mut(&mut slots);
+        let mixture = matches!(self.bsdf, Bsdf::Mix { .. });
+        self.normal_map.is_some() || (!mixture && !slots.is_empty())
+    }
+
     /// The places where it reads a texture.
     pub(in crate::scene) fn textures_mut(&mut self) -> Vec<Slot<'_>> {
         let mut all = Vec::new();
-        match &mut self.bsdf {
-            Bsdf::Diffuse { reflectance, .. } => value(&mut all, "albedo", reflectance, true),
-            Bsdf::Conductor {
-                tint, roughness, ..
-            } => {
-                value(&mut all, "tint", tint, true);
-                value(&mut all, "roughness", roughness, true);
-            }
-            Bsdf::Dielectric(d) => {
-                value(&mut all, "roughness", &mut d.roughness, true);
-                value(&mut all, "reflection tint", &mut d.reflection_tint, true);
-                value(
-                    &mut all,
-                    "transmission tint",
-                    &mut d.transmission_tint,
-                    true,
-                );
-            }
-            Bsdf::Principled(p) => {
-                value(&mut all, "base colour", &mut p.base_color, true);
-                value(&mut all, "metallic", &mut p.metallic, true);
-                value(&mut all, "roughness", &mut p.roughness, true);
-                value(&mut all, "specular", &mut p.specular, true);
-                value(&mut all, "specular colour", &mut p.specular_color, false);
-                value(&mut all, "transmission", &mut p.transmission, true);
-                value(&mut all, "clear coat", &mut p.clearcoat, true);
-                value(
-                    &mut all,
-                    "clear coat's roughness",
-                    &mut p.clearcoat_roughness,
-                    true,
-                );
-                value(&mut all, "sheen", &mut p.sheen_color, true);
-                value(&mut all, "sheen's roughness", &mut p.sheen_roughness, true);
-            }
-            Bsdf::Mix { amount, .. } => value(&mut all, "amount", amount, true),
-        }
+        self.bsdf.textures_mut(&mut all);
         value(&mut all, "emission", &mut self.emission, false);
-        if let Some(mask) = &mut self.alpha {
-            value(&mut all, "opacity", &mut mask.alpha, true);
+        if let Some(alpha) = &mut self.alpha {
+            value(&mut all, "opacity", &mut alpha.opacity, true);
         }
         if self.normal_map.is_some() {
             all.push(Slot::Relief(&mut self.normal_map));
         }
         all
+    }
+}
+
+impl Bsdf {
+    fn textures_mut<'a>(&'a mut self, all: &mut Vec<Slot<'a>>) {
+        match self {
+            Bsdf::Diffuse { reflectance, .. } => value(all, "albedo", reflectance, true),
+            Bsdf::Conductor {
+                tint, roughness, ..
+            } => {
+                value(all, "tint", tint, true);
+                value(all, "roughness", roughness, true);
+            }
+            Bsdf::Dielectric(d) => {
+                value(all, "roughness", &mut d.roughness, true);
+                value(all, "reflection tint", &mut d.reflection_tint, true);
+                value(all, "transmission tint", &mut d.transmission_tint, true);
+            }
+            Bsdf::Principled(p) => {
+                value(all, "base colour", &mut p.base_color, true);
+                value(all, "metallic", &mut p.metallic, true);
+                value(all, "roughness", &mut p.roughness, true);
+                value(all, "specular", &mut p.specular, true);
+                value(all, "specular colour", &mut p.specular_color, false);
+                value(all, "transmission", &mut p.transmission, true);
+                value(all, "clear coat", &mut p.clearcoat, true);
+                value(
+                    all,
+                    "clear coat's roughness",
+                    &mut p.clearcoat_roughness,
+                    true,
+                );
+                value(all, "sheen", &mut p.sheen_color, true);
+                value(all, "sheen's roughness", &mut p.sheen_roughness, true);
+            }
+            Bsdf::Mix { amount, .. } => value(all, "amount", amount, true),
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Image files to texels: PNG, JPEG, Radiance HDR and EXR, told apart by their first bytes.
 
 use super::{MipLevel, TexelFormat};
-use image::{DynamicImage, ImageReader};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageReader};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -51,6 +51,31 @@ pub(super) fn size(path: &Path) -> Result<[u32; 2], String> {
         ));
     }
     Ok(size)
+}
+
+/// Bytes of the texture of the file at `path` with all mip levels, by the file's header.
+pub(super) fn bytes(path: &Path, srgb: bool) -> Result<u64, String> {
+    let mut level = size(path)?.map(u64::from);
+    let mut file = open(path)?;
+    let each = if is_exr(&mut file)? {
+        12
+    } else {
+        let decoder = reader(file)?.into_decoder().map_err(broken)?;
+        match decoder.color_type() {
+            ColorType::L8 => 1,
+            ColorType::Rgb32F | ColorType::Rgba32F => 12,
+            ColorType::L16 if !srgb => 4,
+            ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 if !srgb => 12,
+            _ => 4,
+        }
+    };
+    let whole_words = |level: [u64; 2]| (level[0] * level[1] * each).next_multiple_of(4);
+    let mut sum = whole_words(level);
+    while level != [1, 1] {
+        level = level.map(|n| (n / 2).max(1));
+        sum += whole_words(level);
+    }
+    Ok(sum)
 }
 
 /// Decodes the file at `path`. 8-bit colours are taken to be stored with the curve of sRGB if `srgb`

@@ -20,6 +20,11 @@ impl Request {
         decode::size(&self.path).map(|_| ())
     }
 
+    /// Bytes in memory with all mip levels, by the file's header; 0 of a file that is wrong.
+    pub(in crate::scene) fn bytes(&self) -> u64 {
+        decode::bytes(&self.path, self.srgb).unwrap_or(0)
+    }
+
     fn load(&self) -> Result<Texture, String> {
         let base = decode::load(&self.path, self.srgb)?;
         Ok(mip::texture(self.path.display().to_string(), base))

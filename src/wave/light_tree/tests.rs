@@ -92,12 +92,23 @@ fn follow(tree: &LightTree, mut trail: u32) -> u32 {
     }
 }
 
+/// The luminance of what a triangle's material emits.
+fn emitted(scene: &Scene) -> impl Fn(usize) -> f64 {
+    |i| {
+        luminance(
+            scene.materials[scene.mesh.material[i] as usize]
+                .emission
+                .factor,
+        )
+    }
+}
+
 #[test]
 fn every_light_has_a_leaf_and_a_trail_that_leads_to_it() {
     let mut rng = Pcg64::new(1, 1);
     for (triangles, points) in [(1, 0), (0, 1), (2, 3), (500, 30)] {
         let scene = scene(triangles, points, &mut rng);
-        let tree = LightTree::new(&scene, |_| true);
+        let tree = LightTree::new(&scene, emitted(&scene));
         let lights = triangles + points;
         assert_eq!(tree.nodes.len(), 2 * lights - 1);
         let mut sources = tree.source.clone();
@@ -122,7 +133,7 @@ fn lights_at_one_place_are_halved_until_they_stand_alone() {
             *position = [1.0, 2.0, 3.0];
         }
     }
-    let tree = LightTree::new(&scene, |_| true);
+    let tree = LightTree::new(&scene, emitted(&scene));
     assert!(tree.trail.iter().all(|&t| t < 1 << 10), "ten levels");
 }
 
@@ -133,7 +144,7 @@ fn no_light_that_shines_on_a_point_is_ruled_out() {
     let mut rng = Pcg64::new(3, 1);
     let (triangles, points) = (200, 40);
     let scene = scene(triangles, points, &mut rng);
-    let mut tree = LightTree::new(&scene, |_| true);
+    let mut tree = LightTree::new(&scene, emitted(&scene));
     tree.selection = 1.0;
     let kernel = tree.view();
     let mut shining = 0;

@@ -15,8 +15,7 @@ use super::map::Map;
 use super::said::Said;
 use super::{Fallback, GREY};
 use crate::scene::material::{
-    AlphaMask, Bsdf, Channel, Dielectric, Material, NormalMap, Principled, Relief, TextureUse,
-    Textured,
+    Alpha, Bsdf, Channel, Dielectric, Material, NormalMap, Principled, Relief, TextureUse, Textured,
 };
 use crate::scene::texture::{Request, beside};
 use std::path::Path;
@@ -196,17 +195,17 @@ impl Maker<'_> {
     }
 
     /// `map_d`: where it is the file of `map_Kd`, that file's opacity is meant.
-    fn alpha(&mut self) -> Option<AlphaMask> {
+    fn alpha(&mut self) -> Option<Alpha> {
         let file = |key| self.said.maps.get(key).map(|m: &Map| &m.file);
         let same = file("map_d") == file("map_kd");
         let channel = if same { Channel::Alpha } else { Channel::Red };
         let texture = self.map("map_d", false, channel)?;
-        Some(AlphaMask {
-            alpha: Textured {
+        Some(Alpha {
+            opacity: Textured {
                 factor: 1.0,
                 texture: Some(texture),
             },
-            cutoff: 0.5,
+            cutoff: Some(0.5),
         })
     }
 
@@ -375,7 +374,7 @@ mod tests {
         assert_eq!(reflectance.factor, [1.0; 3]);
         assert_eq!(reflectance.texture.unwrap().uv[0][0], 2.0);
         let mask = material.alpha.unwrap();
-        assert_eq!(mask.alpha.texture.unwrap().channel, Channel::Alpha);
+        assert_eq!(mask.opacity.texture.unwrap().channel, Channel::Alpha);
         assert_eq!(material.emission.factor, [1.0; 3]);
         let bump = material.normal_map.unwrap();
         assert_eq!((bump.kind, bump.strength), (Relief::Bump, 0.5));

@@ -1,0 +1,166 @@
+//! Shading normals and texture coordinates of spheres and of copies of objects.
+//!
+//! A copy is interpolated as if it had been put into the world: its edges by `A`, its corners' normals
+//! by the transpose of `B`, of unit length again (`instance.rs` for the letters).
+//!
+//! *Spheres* have longitude and latitude about +y, however they were turned: from the middle of the
+//! image, which faces +z, `u = 1/2 + atan2(n.x, n.z) / (2 pi)` rises to the east, seen from outside
+//! to the right, and `v = 1/2 + asin(n.y) / pi` from the south pole to the north.
+
+use super::{HOME, Maps, Others, Part, corners_of, transform};
+use crate::interpolate::{Attributes, CornerNormals, Interpolated};
+use crate::lanes::{Fx, LANES, Ux};
+use crate::math::INV_PI;
+use crate::octahedral;
+use crate::sphere;
+use crate::surface::Corners;
+use crate::tables::Triangles;
+use crate::vec3::Vec3x;
+
+impl Interpolated {
+    /// The points with barycentric weights `u`, `v` of `primitive`, triangles or not, whose fronts have
+    /// the unit normals `outside`; at their `times` if anything moves.
+    #[inline(always)]
+    #[must_use]
+    pub fn met(
+        triangles: &Triangles,
+        attributes: &Attributes,
+        primitive: Ux,
+        outside: impl FnOnce() -> Vec3x,
+        (u, v): (Fx, Fx),
+        times: impl FnOnce() -> Option<Fx>,
+    ) -> Self {
+        // The same for the whole render.
+        match &triangles.others {
+            None => Self::at(triangles, attributes, primitive, u, v),
+            Some(others) => {
+                others.interpolate(triangles, attributes, primitive, outside(), (u, v), times())
+            }
+        }
+    }
+}
+
+impl Others<'_> {
+    #[inline(never)]
+    fn interpolate(
+        &self,
+        triangles: &Triangles,
+        attributes: &Attributes,
+        primitive: Ux,
+        outside: Vec3x,
+        weights: (Fx, Fx),
+        times: Option<Fx>,
+    ) -> Interpolated {
+        let names = primitive.to_array();
+        let mut maps = [&HOME; LANES];
+        // Spheres borrow a triangle.
+        let mut corners = [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]; LANES];
+        let mut codes = [[octahedral::NONE; LANES]; 3];
+        let mut uvs = [[[f32::NAN; LANES]; 2]; 3];
+        let mut radius = [1.0; LANES];
+        for lane in 0..LANES {
+            let (vertices, vertex, from) = match self.part(names[lane]) {
+                Part::Triangle(i) => (triangles.vertices, triangles.indices[i], attributes),
+                Part::Copy(instance, i) => {
+                    let object = &self.objects[instance.object as usize];
+                    maps[lane] = instance;
+                    (object.vertices, object.indices[i], &object.attributes)
+                }
+                Part::Sphere(i) => {
+                    radius[lane] = self.spheres[i].radius;
+                    continue;
+                }
+            };
+            for (k, vertex) in vertex.map(|v| v as usize).into_iter().enumerate() {
+                corners[lane][k] = vertices[vertex];
+                if let Some(&code) = from.normals.get(vertex) {
+                    codes[k][lane] = code;
+                }
+                if let Some(&uv) = from.uvs.get(vertex) {
+                    uvs[k][0][lane] = uv[0];
+                    uvs[k][1][lane] = uv[1];
+                }
+            }
+        }
+        let maps = match times {
+            None => Maps::gather(&maps),
+            Some(times) => Maps::gather(&self.moved(&maps, times).0.each_ref()),
+        };
+        let there = corners_of(&corners);
+        let zero = Vec3x::splat([0.0; 3]);
+        let there = Corners {
+            v0: there.v0,
+            e1: transform(maps.to_world, there.e1, zero),
+            e2: transform(maps.to_world, there.e2, zero),
+        };
+        let normals = CornerNormals::decode(codes.map(Ux::new)).turned(|n| maps.normal(n));
+        let uvs = uvs.map(|uv| uv.map(Fx::new));
+        let all = uvs.as_flattened().iter().map(|x| x.is_finite());
+        let all = all.reduce(|a, b| a & b).unwrap_or(Fx::ZERO);
+        let on_triangle = Interpolated::of(&there, outside, Some(&normals), (uvs, all), weights);
+        let spheres = self.are_spheres(primitive);
+        if spheres.none() {
+            return on_triangle;
+        }
+        let on_sphere = on_sphere(outside, Fx::new(radius));
+        Interpolated::select(spheres, &on_sphere, &on_triangle)
+    }
+}
+
+/// The texture coordinates of directions from the middle of a sphere, unit vectors.
+#[inline(always)]
+#[must_use]
+pub(crate) fn coordinates_on_sphere(n: Vec3x) -> [Fx; 2] {
+    let half = Fx::splat(0.5);
+    let turn = n.x.atan2(n.z) * Fx::splat(0.5 * INV_PI);
+    let height = n.y.fast_max(-Fx::ONE).fast_min(Fx::ONE).asin();
+    [turn + half, height.mul_add(Fx::splat(INV_PI), half)]
+}
+
+/// The same of what `sphere.rs` says of a hit, for one point.
+pub(crate) fn coordinates_at(u: f32, v: f32) -> [f32; 2] {
+    let n = sphere::decode(Fx::splat(u), Fx::splat(v));
+    coordinates_on_sphere(n).map(|x| x.as_array()[0])
+}
+
+/// Points of spheres whose unit normals there are `n`.
+fn on_sphere(n: Vec3x, radius: Fx) -> Interpolated {
+    let uv = coordinates_on_sphere(n);
+    let from_axis = (n.x * n.x + n.z * n.z).sqrt();
+    let regular = from_axis.simd_gt(Fx::ZERO);
+    let by = regular & (Fx::ONE / from_axis);
+    let east = Vec3x::new(
+        regular.select(n.z * by, Fx::ONE),
+        Fx::ZERO,
+        regular & -(n.x * by),
+    );
+    let north = n.cross(east);
+    let (turn, half_turn) = (Fx::splat(0.5 * INV_PI) / radius, Fx::splat(INV_PI) / radius);
+    Interpolated {
+        normal: n,
+        coherence: Fx::ONE,
+        uv,
+        tangent: east,
+        bitangent: north,
+        gradient_u: east * (turn * by),
+        gradient_v: (north * half_turn).keep(regular),
+        uv_per_length: (turn * by * half_turn).sqrt(),
+    }
+}
+
+impl Interpolated {
+    fn select(mask: Fx, a: &Self, b: &Self) -> Self {
+        let vector = |of: fn(&Self) -> Vec3x| Vec3x::select(mask, of(a), of(b));
+        let number = |of: fn(&Self) -> Fx| mask.select(of(a), of(b));
+        Self {
+            normal: vector(|p| p.normal),
+            coherence: number(|p| p.coherence),
+            uv: [number(|p| p.uv[0]), number(|p| p.uv[1])],
+            tangent: vector(|p| p.tangent),
+            bitangent: vector(|p| p.bitangent),
+            gradient_u: vector(|p| p.gradient_u),
+            gradient_v: vector(|p| p.gradient_v),
+            uv_per_length: number(|p| p.uv_per_length),
+        }
+    }
+}

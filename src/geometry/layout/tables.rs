@@ -1,0 +1,135 @@
+//! Writes the tables as they are planned: every part knows where its share begins, so all write at once.
+
+use super::{Layout, Part, What};
+use crate::geometry::collapse::{Collapse, NODE_COST};
+use crate::geometry::pages;
+use crate::scene::Mesh;
+use huygens_kernels::bvh::{BLOCK, Block, LEAF, MAX_DEPTH, Node, index, leaf};
+use rayon::prelude::*;
+use wide::{f32x4, u32x4};
+
+impl Part {
+    /// Writes the part's blocks, and its nodes but the first, which it returns. `first_node` and
+    /// `first_block` are what its own count from.
+    fn write(
+        &self,
+        mesh: &Mesh,
+        collapse: &Collapse,
+        (first_node, nodes): (usize, &mut [Node]),
+        (first_block, blocks): (usize, &mut [Block]),
+    ) -> (Node, usize) {
+        let mut root = Node::EMPTY;
+        let (mut found, mut all) = (Vec::new(), 0);
+        for (i, children) in self.nodes.iter().enumerate() {
+            let mut node = Node::EMPTY;
+            for (slot, &(what, reference)) in self.children[children.clone()].iter().enumerate() {
+                let aabb = match what {
+                    What::Tree(node) => collapse.aabb(node),
+                    What::Run(run) => &self.runs[run as usize].aabb,
+                };
+                let reference = if reference & LEAF == 0 {
+                    first_node as u32 + reference
+                } else {
+                    let triangles = match what {
+                        What::Tree(node) => {
+                            collapse.triangles(node, &mut found);
+                            &found
+                        }
+                        What::Run(run) => &self.runs[run as usize].triangles,
+                    };
+                    all += triangles.len();
+                    blocks[index(reference)] = block(mesh, triangles);
+                    leaf(first_block + index(reference))
+                };
+                node.set(slot, aabb.min.to_array(), aabb.max.to_array(), reference);
+            }
+            if i == 0 {
+                root = node;
+            } else {
+                nodes[i - 1] = node;
+            }
+        }
+        (root, all)
+    }
+}
+
+/// The block of a leaf.
+fn block(mesh: &Mesh, triangles: &[u32]) -> Block {
+    let mut rows = [u32::MAX; BLOCK];
+    rows[..triangles.len()].copy_from_slice(triangles);
+    // By rising index; what is not used comes last, and repeats the last that is.
+    rows.sort_unstable();
+    let last = rows[triangles.len() - 1];
+    let rows = rows.map(|i| i.min(last));
+    let corners = rows.map(|i| mesh.corners(i as usize));
+    let column = |corner: usize| {
+        let [a, b, c, d] = corners.map(|corners| {
+            let [x, y, z] = corners[corner];
+            f32x4::new([x, y, z, 0.0])
+        });
+        f32x4::transpose([a, b, c, d])
+    };
+    let columns = [column(0), column(1), column(2)];
+    Block {
+        vertex: [0, 1, 2].map(|axis| columns.map(|column| column[axis])),
+        primitive: u32x4::new(rows),
+    }
+}
+
+/// The whole of the top and its subtrees, each to hang at the node named with it.
+pub(super) fn write(
+    mesh: &Mesh,
+    collapse: &Collapse,
+    top: &Part,
+    subtrees: &[(u32, Part)],
+) -> Layout {
+    let parts = || subtrees.iter().map(|(_, part)| part);
+    let nodes = parts().map(|p| p.nodes.len() - 1).sum::<usize>() + top.nodes.len();
+    let blocks = parts().map(|p| p.blocks).sum::<usize>() + top.blocks;
+    let mut out = Layout {
+        nodes: pages::zeroed(nodes),
+        blocks: pages::zeroed(blocks),
+        depth: parts().map(|p| p.depth).fold(top.depth, usize::max),
+        triangles: 0,
+        sah: f64::from(NODE_COST),
+    };
+    assert!(out.depth <= MAX_DEPTH, "the depth of a tree is bounded");
+    let cost = parts().map(|p| p.cost).sum::<f64>() + top.cost;
+    let root_area = f64::from(collapse.aabb(0).half_area());
+    if root_area > 0.0 {
+        out.sah += cost / root_area;
+    }
+    let (mut nodes, mut blocks) = (&mut out.nodes[..], &mut out.blocks[..]);
+    let (mut node, mut block) = (0, 0);
+    // The next so many of each, and the numbers of the first of them.
+    let mut take = |some_nodes: usize, some_blocks: usize| {
+        let at = (node, block);
+        (node, block) = (node + some_nodes, block + some_blocks);
+        let mine = nodes.split_off_mut(..some_nodes).unwrap_or_default();
+        let mine = (at.0, mine);
+        (
+            mine,
+            (
+                at.1,
+                blocks.split_off_mut(..some_blocks).unwrap_or_default(),
+            ),
+        )
+    };
+    let (top_nodes, top_blocks) = take(top.nodes.len(), top.blocks);
+    let places: Vec<_> = parts().map(|p| take(p.nodes.len() - 1, p.blocks)).collect();
+    // A part's second node is the first of its share.
+    let write = |((_, part), (nodes, blocks)): (&(u32, Part), _)| {
+        let (first, nodes): (usize, &mut [Node]) = nodes;
+        part.write(mesh, collapse, (first - 1, nodes), blocks)
+    };
+    let roots: Vec<(Node, usize)> = subtrees.par_iter().zip(places).map(write).collect();
+    let (first, rest) = top_nodes.1.split_at_mut(1);
+    let (root, triangles) = top.write(mesh, collapse, (0, rest), top_blocks);
+    first[0] = root;
+    out.triangles = triangles;
+    for ((at, _), (root, triangles)) in subtrees.iter().zip(roots) {
+        out.nodes[*at as usize] = root;
+        out.triangles += triangles;
+    }
+    out
+}
