@@ -144,7 +144,7 @@ impl LightTables {
             let pdf = |i| {
                 let weight = match selection {
                     LightSelection::Uniform => 1.0 / area(scene.mesh.corners(i)),
-                    _ => exitance_of(i),
+                    _ => factors[0] * exitance_of(i),
                 };
                 if emits(i) { ratio(weight, total) } else { 0.0 }
             };
