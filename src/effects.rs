@@ -6,6 +6,7 @@
 mod shader;
 
 pub use shader::Shader;
+pub(crate) use shader::polished;
 
 use crate::scene::{Light, Material, Mesh, Projection, Scene, Sky};
 use crate::settings::{Integrator, LightSelection, Settings, Strategy};
@@ -40,6 +41,14 @@ pub struct Effects {
     pub sky: bool,
     /// Whether surfaces emit.
     pub emission: bool,
+    /// Whether surfaces disperse light: paths carry a wavelength.
+    pub dispersion: bool,
+    /// Whether anything moves while the shutter is open: paths live at a moment.
+    pub motion: bool,
+    /// Whether there are media: rays lose light on their way.
+    pub media: bool,
+    /// Whether any of them scatters.
+    pub scattering_media: bool,
 }
 
 impl Effects {
@@ -49,6 +58,10 @@ impl Effects {
         let mut effects = Self::default();
         let transport = settings.integrator.is_transport();
         effects.camera(scene);
+        if let Some(reason) = scene.moves() {
+            effects.motion = true;
+            effects.add("motion", reason);
+        }
         if let Some(sphere) = scene.spheres.first() {
             let worn = &scene.materials[sphere.material as usize];
             effects.add("spheres", material(worn));
@@ -61,6 +74,9 @@ impl Effects {
         effects.opacity(scene, &worn);
         effects.light(scene, &worn);
         effects.surfaces(scene, &worn, transport);
+        if transport {
+            effects.media(scene);
+        }
         if transport && settings.roulette {
             effects.add("roulette", "setting `roulette`");
         }
@@ -136,6 +152,20 @@ impl Effects {
         }
     }
 
+    fn media(&mut self, scene: &Scene) {
+        let mut all = scene.media_in_use();
+        if let Some((_, reason)) = all.next() {
+            self.media = true;
+            self.add("media", reason);
+        }
+        let mut all = scene.media_in_use();
+        if let Some((medium, reason)) = all.find(|(m, _)| m.scatters()) {
+            self.scattering_media = true;
+            let name = Shader::Medium.name();
+            self.add(name, format!("medium `{}`, of {reason}", medium.name));
+        }
+    }
+
     fn surfaces(&mut self, scene: &Scene, worn: &[bool], transport: bool) {
         let smooth = smooth(scene);
         let mixed = mixed(scene, worn);
@@ -150,6 +180,10 @@ impl Effects {
             if let Some(i) = (0..worn.len()).find(calls) {
                 let reason = material(&scene.materials[i]);
                 self.add(shader.name(), reason);
+                if shader.disperses() && !self.dispersion {
+                    self.dispersion = true;
+                    self.add("dispersion", material(&scene.materials[i]));
+                }
             }
         }
         if transport {
@@ -190,6 +224,11 @@ impl Effects {
         }
         self.textured = textured;
     }
+}
+
+/// Whether a render has to do with media.
+pub(crate) fn has_media(scene: &Scene, settings: &Settings) -> bool {
+    settings.integrator.is_transport() && scene.media_in_use().next().is_some()
 }
 
 /// The fewest lights at a finite distance for which a tree is taken to be worth its steps: set by

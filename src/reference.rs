@@ -6,36 +6,41 @@
 //! Li(ray, depth) = Le + f(omega_o, omega_i) * cos_theta_i * Li(next ray, depth + 1) / pdf(omega_i)
 //! ```
 //!
-//! with one direction at every surface, no next-event estimation but of lights
-//! that no direction finds (all of which are summed over at every surface), no roulette, no queue and
-//! no acceleration structure: every ray is tested against every triangle, so it is for scenes of a few
-//! hundred triangles at most. It shares no code with the kernels, on purpose:
+//! with one direction at every surface, no roulette, no queue and no acceleration structure: every ray
+//! is tested against every triangle, so it is for scenes of a few hundred triangles at most. Light is
+//! found by directions; but that of lights which no direction finds is summed at every surface, and, if
+//! asked (`--strategy light` or `mis`), that of all emissive surfaces at every diffuse one. It shares no
+//! code with the kernels, on purpose:
 //! triangle test, frame, sampling, filter, camera and random numbers are its own.
 //!
 //! What it means by its words is what the wave means: a path scatters at most
 //! [`Settings::depth_limit`] times, and 0 shows emission only; a surface emits from its front, from
 //! both sides if its material says so; surfaces scatter as their materials say (`bsdf`), with the
 //! shading normals, images and masks that materials and meshes ask for (`surface`); a ray that meets
-//! nothing sees the sky.
+//! nothing sees the sky. Fog it knows (`fog`); media inside of glass it does not. Where something moves
+//! or disperses light, every sample is that of a scene frozen at one moment, in light of one wavelength.
 
 mod bsdf;
 mod camera;
 mod carried;
+mod fog;
 mod lights;
 mod path;
 mod random;
 mod sphere;
 mod surface;
+mod wavelength;
 mod world;
 
 use crate::film::{Job, SampleBuffer};
 use crate::scene::Scene;
 use crate::settings::{Settings, Strategy};
 use bsdf::Worn;
+use fog::Fog;
 use glam::DVec3;
 use lights::Lights;
 use rand_pcg::rand_core::Rng;
-use random::{filter_offset, generator};
+use random::{filter_offset, generator, uniform};
 use std::sync::atomic::{AtomicBool, Ordering};
 use world::{Ray, World};
 
@@ -44,10 +49,19 @@ use world::{Ray, World};
 pub struct Reference<'a> {
     world: World<'a>,
     lights: Lights<'a>,
+    fog: Option<Fog>,
     materials: Vec<Worn<'a>>,
+    manner: Manner,
+    emitters: Vec<usize>,
+}
+
+/// What the reference follows of a render's settings.
+#[derive(Clone, Copy, Debug)]
+struct Manner {
     seed: u32,
     max_depth: u32,
     uniform: bool,
+    samples_lights: bool,
 }
 
 impl<'a> Reference<'a> {
@@ -69,22 +83,35 @@ impl<'a> Reference<'a> {
     }
 
     /// Prepares `scene`. Of `settings` it follows `seed`, the depth limit (at most 2048, since each
-    /// scattering event is a level of recursion) and `strategy`: `uniform` draws the
-    /// directions of diffuse surfaces uniformly, all others by the cosine, for the reference looks for
-    /// light by its directions only.
+    /// scattering event is a level of recursion) and `strategy`, which is about diffuse surfaces:
+    /// `uniform` draws directions uniformly, all others by the cosine; with `light` and `mis` the light
+    /// of all emissive surfaces is summed there, by a point on each, instead of found by directions.
     #[must_use]
     pub fn new(scene: &'a Scene, settings: &Settings) -> Self {
         let unbounded = Settings {
             roulette: false,
             ..settings.clone()
         };
+        Self::of(
+            scene,
+            Manner {
+                seed: settings.seed,
+                max_depth: unbounded.depth_limit().min(Self::DEEPEST),
+                uniform: settings.strategy == Strategy::Uniform,
+                samples_lights: matches!(settings.strategy, Strategy::Light | Strategy::Mis),
+            },
+        )
+    }
+
+    fn of(scene: &'a Scene, manner: Manner) -> Self {
+        let world = World::new(scene);
         Self {
-            world: World::new(scene),
+            emitters: world.emitters(),
+            world,
             lights: Lights::new(scene),
+            fog: Fog::new(scene),
             materials: scene.materials.iter().map(Worn::new).collect(),
-            seed: settings.seed,
-            max_depth: unbounded.depth_limit().min(Self::DEEPEST),
-            uniform: settings.strategy == Strategy::Uniform,
+            manner,
         }
     }
 
@@ -102,7 +129,7 @@ impl<'a> Reference<'a> {
             direction: direction.into(),
             leaves: None,
         };
-        self.radiance(rng, &ray, depth).into()
+        self.radiance(rng, &ray, depth, false).into()
     }
 
     /// Renders the samples of `job` into their slots of `out`, which must have room for them. Returns
@@ -127,12 +154,31 @@ impl<'a> Reference<'a> {
     /// Radiance of one camera sample of pixel (`x`, `y`), from the top left corner.
     #[must_use]
     pub fn render_sample(&self, x: u32, y: u32, sample: u32) -> [f64; 3] {
-        let mut rng = generator([self.seed, x, y, sample]);
+        let mut rng = generator([self.manner.seed, x, y, sample]);
         let filter = self.world.scene.film.filter;
         let x = f64::from(x) + 0.5 + filter_offset(filter, &mut rng);
         let y = f64::from(y) + 0.5 + filter_offset(filter, &mut rng);
-        let ray = camera::ray(self.world.scene, x, y, &mut rng);
-        self.radiance(&mut rng, &ray, 0).into()
+        let scene = self.world.scene;
+        let (moves, disperses) = (scene.moves().is_some(), scene.disperses());
+        if !moves && !disperses {
+            let ray = camera::ray(scene, x, y, &mut rng);
+            return self.radiance(&mut rng, &ray, 0, false).into();
+        }
+        // Everything at one moment, in light of one wavelength, made anew for every sample: slow, and
+        // sure.
+        let mut now = scene.clone();
+        let mut weight = DVec3::ONE;
+        if moves {
+            now = now.frozen(uniform(&mut rng));
+        }
+        if disperses {
+            let drawn = wavelength::draw(&mut rng);
+            now = now.at_wavelength(drawn.nanometres);
+            weight = drawn.weight;
+        }
+        let ray = camera::ray(&now, x, y, &mut rng);
+        let now = Reference::of(&now, self.manner);
+        (weight * now.radiance(&mut rng, &ray, 0, false)).into()
     }
 }
 

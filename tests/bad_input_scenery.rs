@@ -24,6 +24,83 @@ fn lens_message(keys: &str) -> String {
 }
 
 #[test]
+fn motions_that_cannot_be() {
+    let camera = "[camera]\norigin = [0, 0, 5]\ntarget = [0, 0, 0]\n";
+    for (said, wrong) in [
+        (
+            "motion = { rotate = { axis = [0, 0, 0], degrees = 9 } }",
+            "s.toml:4:21: camera.motion.rotate: the axis is zero, expected a direction",
+        ),
+        (
+            "motion = { rotate = { axis = [0, 1, 0], degrees = -400 } }",
+            "s.toml:4:21: camera.motion.rotate: found -400 degrees, expected a turn of at most 360",
+        ),
+        (
+            "motion = { translate = [1, 2] }",
+            "s.toml:4:24: camera.motion.translate: found an array of length 2, expected an array of length 3",
+        ),
+        (
+            "motion = { scale = 2 }",
+            "s.toml:4:12: unknown key `scale` in `camera.motion`, expected `translate` or `rotate`",
+        ),
+    ] {
+        assert_eq!(message(&format!("{camera}{said}\n")), wrong);
+    }
+    let instance = "[[objects.o.shapes]]\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n\
+                    [[instances]]\nobject = \"o\"\n\
+                    motion = { rotate = { axis = [1, 0, 0], degrees = 361 } }\n";
+    assert_eq!(
+        message(instance),
+        "s.toml:5:21: instances[0].motion.rotate: found 361 degrees, expected a turn of at most 360"
+    );
+}
+
+#[test]
+fn media_that_cannot_be() {
+    for (text, wrong) in [
+        (
+            "[media.a]\nabsorption = -1\n",
+            "s.toml:2:14: media.a.absorption: found -1, expected a finite number of at least 0",
+        ),
+        (
+            "[media.a]\nscattering = [1, 2, -0.5]\n",
+            "s.toml:2:21: media.a.scattering: found -0.5, expected a finite number of at least 0",
+        ),
+        (
+            "[media.a]\ng = 1\n",
+            "s.toml:2:5: media.a.g: found 1, expected a number from -0.999 to 0.999",
+        ),
+        (
+            "[media.a]\ng = -1.5\n",
+            "s.toml:2:5: media.a.g: found -1.5, expected a number from -0.999 to 0.999",
+        ),
+        (
+            "[media.a]\nabsorption = 3e38\nscattering = 3e38\n",
+            "s.toml:1:1: media.a: absorption and scattering together are beyond 32-bit floats",
+        ),
+        (
+            "[media.mist]\n[fog]\nmedium = \"mits\"\n",
+            "s.toml:3:10: fog.medium: no medium `mits`, did you mean `mist`?",
+        ),
+        (
+            "[media.mist]\n[fog]\nmedium = \"mist\"\nwithin = { min = [0, 0, 0], max = [1, 0, 1] }\n",
+            "s.toml:4:10: fog.within: found a box without volume, expected `min` below `max` on each \
+             axis",
+        ),
+        (
+            "[media.mist]\n[materials.m]\nkind = \"dielectric\"\nthin = true\ninterior = \"mist\"\n",
+            "s.toml:5:12: materials.m.interior: found in a `thin` pane, which has no inside",
+        ),
+        (
+            "[materials.m]\nkind = \"dielectric\"\ninterior = \"mist\"\n",
+            "s.toml:3:12: materials.m.interior: no medium `mist`, expected none",
+        ),
+    ] {
+        assert_eq!(message(text), wrong);
+    }
+}
+
+#[test]
 fn cameras_of_unknown_kinds_and_keys_of_other_kinds() {
     assert_eq!(
         lens_message("kind = \"ortographic\""),

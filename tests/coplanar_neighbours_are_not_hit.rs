@@ -67,6 +67,7 @@ fn hits(mesh: &Mesh, towards: [f32; 3], n: usize, uniform: bool) -> usize {
             u * (Fx::ONE - v),
             v,
             -Vec3x::splat(towards),
+            || None,
         );
         // The second half as flat as the samplers can make them.
         let flat = if i < size / 2 {

@@ -6,8 +6,9 @@ mod scene_folder;
 use common::scenes;
 use huygens::film::Film;
 use huygens::geometry::Geometry;
-use huygens::scene::{Bsdf, Scene};
-use huygens::settings::{Settings, Strategy};
+use huygens::scene::material::{Cauchy, Dielectric};
+use huygens::scene::{Bsdf, Fog, Medium, Motion, Scene};
+use huygens::settings::{Integrator, Settings, Strategy};
 use huygens::wave::{self, Control, Plan};
 use scene_folder::Folder;
 
@@ -189,4 +190,108 @@ fn images_add_a_stage_and_a_queue_where_surfaces_read_them() {
     let effect = read.effects.iter().find(|e| e.name == "textures");
     assert_eq!(effect.map(|e| &e.reason[..]), Some("material `m`"));
     assert_eq!(ran(&textured, &settings()), read.stages);
+}
+
+/// Dispersion is asked for by a glass that disperses, and adds a stage and a column a path.
+#[test]
+fn a_dispersive_glass_adds_wavelengths_and_plain_glass_does_not() {
+    let with = |dispersion| {
+        let mut scene = scenes::cornell_box(16);
+        scene.materials[0].bsdf = Bsdf::Dielectric(Box::new(Dielectric {
+            dispersion,
+            ..Dielectric::default()
+        }));
+        scene
+    };
+    let plain = plan(&with(None), &settings());
+    assert!(!plain.stages.contains(&"disperse"));
+    assert!(!queues(&plain).iter().any(|q| q.0.contains("wavelengths")));
+    let scene = with(Some(Cauchy::from_abbe(1.5, 40.0)));
+    let dispersive = plan(&scene, &settings());
+    let glass = scene.materials[0].name.clone();
+    let reason = |name: &str| dispersive.effects.iter().find(|e| e.name == name);
+    assert_eq!(
+        reason("dispersion").expect("an effect").reason,
+        format!("material `{glass}`")
+    );
+    assert!(dispersive.stages.contains(&"disperse"));
+    for queue in ["wavelengths", "scattered wavelengths"] {
+        let found = queues(&dispersive).into_iter().find(|q| q.0 == queue);
+        assert_eq!(found.expect(queue).1, ["wavelength"]);
+    }
+    assert_eq!(ran(&scene, &settings()), dispersive.stages);
+}
+
+/// Fog adds a stage and a column; that it scatters, a list and a kernel.
+#[test]
+fn a_medium_adds_its_stages_and_nothing_else_does() {
+    let with = |scattering: [f32; 3]| {
+        let mut scene = scenes::cornell_box(16);
+        scene.media.push(Medium {
+            name: "mist".into(),
+            absorption: [1e-4; 3],
+            scattering,
+            g: 0.0,
+        });
+        scene
+    };
+    let unused = plan(&with([1e-3; 3]), &settings());
+    assert!(!unused.stages.contains(&"travel"), "nothing is filled");
+    let fog = |scattering| {
+        let mut scene = with(scattering);
+        scene.fog = Some(Fog {
+            medium: 0,
+            bounds: None,
+        });
+        scene
+    };
+    let absorbing = plan(&fog([0.0; 3]), &settings());
+    assert!(absorbing.stages.contains(&"travel"));
+    assert!(!absorbing.stages.contains(&"shade: medium"));
+    let scene = fog([1e-3; 3]);
+    let scattering = plan(&scene, &settings());
+    let reason = |name: &str| scattering.effects.iter().find(|e| e.name == name);
+    assert_eq!(
+        reason("media").expect("an effect").reason,
+        "the scene's `fog`"
+    );
+    assert_eq!(
+        reason("scattering medium").expect("an effect").reason,
+        "medium `mist`, of the scene's `fog`"
+    );
+    for queue in ["media", "scattered media"] {
+        let found = queues(&scattering).into_iter().find(|q| q.0 == queue);
+        assert_eq!(found.expect(queue).1, ["medium"]);
+    }
+    assert_eq!(ran(&scene, &settings()), scattering.stages);
+    let look = Settings {
+        integrator: Integrator::Normals,
+        ..settings()
+    };
+    assert!(!plan(&scene, &look).stages.contains(&"travel"));
+}
+
+/// Motion adds a stage, a column a path and one an occlusion ray; stillness adds nothing.
+#[test]
+fn what_moves_adds_times_and_what_stands_does_not() {
+    let mut scene = scenes::cornell_box(16);
+    let still = plan(&scene, &settings());
+    assert!(!still.stages.contains(&"shutter"));
+    assert!(!queues(&still).iter().any(|q| q.0.contains("times")));
+    scene.camera_motion = Some(Motion {
+        travel: [10.0, 0.0, 0.0],
+        axis: [0.0, 1.0, 0.0],
+        turns: 0.0,
+    });
+    let moves = plan(&scene, &settings());
+    let motion = moves.effects.iter().find(|e| e.name == "motion");
+    assert_eq!(motion.expect("an effect").reason, "the camera's `motion`");
+    for queue in ["times", "scattered times", "shadow times"] {
+        let found = queues(&moves).into_iter().find(|q| q.0 == queue);
+        assert_eq!(found.expect(queue).1, ["time"]);
+    }
+    let mut others = queues(&moves);
+    others.retain(|q| !q.0.contains("times"));
+    assert_eq!(others, queues(&still));
+    assert_eq!(ran(&scene, &settings()), moves.stages);
 }

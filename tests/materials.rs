@@ -3,7 +3,7 @@
 mod scene_folder;
 
 use huygens::scene::material::{
-    Bsdf, Channel, Material, Relief, TexelFilter, TextureUse, Textured, Wrap,
+    Bsdf, Cauchy, Channel, Material, Relief, TexelFilter, TextureUse, Textured, Wrap,
 };
 use huygens::scene::{Scene, texture::TexelFormat};
 use image::{ImageBuffer, Luma, Rgb, Rgba};
@@ -103,8 +103,12 @@ fn glass_and_the_principled_surface() {
         panic!("{glass:?}");
     };
     assert_eq!(
-        (glass.ior, glass.thin, glass.abbe),
-        (1.33, true, Some(55.0))
+        (glass.ior, glass.thin, glass.dispersion),
+        (
+            1.33,
+            true,
+            Some(Cauchy::from_abbe(f64::from(1.33f32), 55.0))
+        )
     );
     assert_eq!(glass.transmission_tint.factor, [0.9, 1.0, 1.0]);
     let m = material(
@@ -287,6 +291,33 @@ fn numbers_that_no_surface_has() {
         (
             "kind = \"dielectric\"\nior = -1.5",
             "s.toml:3:7: materials.m.ior: found -1.5, expected a finite number above 0",
+        ),
+        (
+            "kind = \"dielectric\"\nabbe = 0",
+            "s.toml:3:8: materials.m.abbe: found 0, expected a finite number above 0",
+        ),
+        (
+            "kind = \"dielectric\"\nabbe = 0.1",
+            "s.toml:3:8: materials.m.abbe: makes the index of refraction -1.1709609 at 730 nm, \
+             expected it above 0 from 380 to 730 nm",
+        ),
+        (
+            "kind = \"dielectric\"\ncauchy = [1, -0.2]",
+            "s.toml:3:10: materials.m.cauchy: makes the index of refraction -0.3850416 at 380 nm, \
+             expected it above 0 from 380 to 730 nm",
+        ),
+        (
+            "kind = \"dielectric\"\nabbe = 30\ncauchy = [1.5, 0.01]",
+            "s.toml:4:10: materials.m.cauchy: found both `abbe` and `cauchy`, expected one",
+        ),
+        (
+            "kind = \"dielectric\"\nior = 1.5\ncauchy = [1.5, 0.01]",
+            "s.toml:3:7: materials.m.ior: found beside `cauchy`, which says the index already",
+        ),
+        (
+            "abbe = 30",
+            "s.toml:2:8: materials.m.abbe: `abbe` is for materials of kind `dielectric`, this one is \
+             `diffuse`",
         ),
         (
             "kind = \"principled\"\nior = 0.5",

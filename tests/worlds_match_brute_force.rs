@@ -148,6 +148,7 @@ fn a_copy_that_loses_nothing_is_met_like_its_triangles() {
         object: 0,
         placement: placement(&map),
         material: None,
+        motion: None,
     }];
     let mut rays = random_rays(2000, 10);
     for origin in &mut rays.origin {
@@ -181,6 +182,7 @@ fn a_closed_copy_has_no_leaks() {
             object: 0,
             placement: placement(&map),
             material: None,
+            motion: None,
         }];
         let geometry = Geometry::of(&scene, Preset::Balanced);
         // From inside, at random, at vertices and at edges.

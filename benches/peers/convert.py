@@ -24,8 +24,9 @@ def material(mat):
     if kind == "glass":
         return ['kind = "dielectric"', f"ior = {mat['ior']}"]
     if kind == "metal":
-        # The scene format's roughness is the square root of the GGX width.
-        return ['kind = "conductor"', f"eta = {mat['eta']}", f"k = {mat['k']}",
+        # The scene format's roughness is the square root of the GGX width. The peers' facets scatter
+        # once.
+        return ['kind = "conductor"', "compensation = false", f"eta = {mat['eta']}", f"k = {mat['k']}",
                 f"roughness = {mat['alpha'] ** 0.5!r}"]
     raise ValueError(f"a material of kind {kind!r} has no counterpart yet")
 

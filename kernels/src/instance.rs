@@ -32,8 +32,10 @@ pub struct Instance {
     pub material: u32,
     /// Root of the object's tree.
     pub root: u32,
+    /// Its motion among those of its world, or `motion::STILL`.
+    pub motion: u32,
     /// Fills the second cache line.
-    pub spare: [u32; 7],
+    pub spare: [u32; 6],
 }
 
 /// The instance wears what its object wears.

@@ -35,7 +35,7 @@
 //! is for the caller to see to.
 
 use crate::hemisphere::to_world;
-use crate::lanes::{Fx, Mask, Ux};
+use crate::lanes::{Fx, Mask, Ux, gather_rows};
 use crate::octahedral;
 use crate::surface::Corners;
 use crate::tables::Triangles;
@@ -81,12 +81,7 @@ impl Interpolated {
     pub fn at(triangles: &Triangles, attributes: &Attributes, primitive: Ux, u: Fx, v: Fx) -> Self {
         let corners = Corners::gather(triangles, primitive);
         let flat = corners.unit_normal();
-        let primitive = primitive.to_array();
-        let vertex: [Ux; 3] = std::array::from_fn(|k| {
-            Ux::new(std::array::from_fn(|lane| {
-                triangles.indices[primitive[lane] as usize][k]
-            }))
-        });
+        let vertex = gather_rows(triangles.indices, primitive);
         let normals = CornerNormals::gather(attributes.normals, &vertex);
         let uvs = gather_uvs(attributes.uvs, &vertex);
         Self::of(&corners, flat, normals.as_ref(), uvs, (u, v))

@@ -7,6 +7,7 @@
 //! twins, which check bounds once a vector: a kernel that indexes `0..padded(n)` needs slices of
 //! at least `padded(n)` elements.
 
+pub use crate::gather::{gather, gather_rows, gather_u32};
 pub use wide::{f32x8 as Fx, u32x8 as Ux};
 
 /// Lanes in a vector.
@@ -48,22 +49,6 @@ pub fn store(slice: &mut [f32], i: usize, value: Fx) {
 #[inline(always)]
 pub fn store_u32(slice: &mut [u32], i: usize, value: Ux) {
     slice[i..i + LANES].copy_from_slice(value.as_array());
-}
-
-/// Table look-up, one index a lane. Panics on an index outside the table, in any lane.
-#[inline(always)]
-#[must_use]
-pub fn gather(table: &[f32], index: Ux) -> Fx {
-    let index = index.to_array();
-    Fx::new(std::array::from_fn(|lane| table[index[lane] as usize]))
-}
-
-/// Table look-up of `u32`, one index a lane. Panics on an index outside the table, in any lane.
-#[inline(always)]
-#[must_use]
-pub fn gather_u32(table: &[u32], index: Ux) -> Ux {
-    let index = index.to_array();
-    Ux::new(std::array::from_fn(|lane| table[index[lane] as usize]))
 }
 
 /// `0, 1, 2, …` plus `start`.

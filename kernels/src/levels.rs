@@ -19,6 +19,7 @@
 use crate::bvh::{Block, Bvh, LEAF, NOTHING, Node, index};
 use crate::flight::{Queue, prefetch};
 use crate::instance::Instance;
+use crate::motion::{Motion, STILL};
 use crate::order::Stack;
 use crate::query::{ClosestHit, Occlusion, Prepared, Query};
 use crate::rays::{Hits, Rays, Segments};
@@ -43,8 +44,10 @@ pub struct World<'a> {
     pub own_root: u32,
     /// Spheres.
     pub spheres: &'a [SphereBlock],
-    /// Instances.
+    /// Instances, at time 0.
     pub instances: &'a [Instance],
+    /// How some of them move.
+    pub motions: &'a [Motion],
 }
 
 impl<'a> World<'a> {
@@ -62,6 +65,7 @@ impl<'a> World<'a> {
             own_root: 0,
             spheres: &[],
             instances: &[],
+            motions: &[],
         }
     }
 
@@ -111,7 +115,7 @@ impl Filter for Everything {
 /// # Panics
 /// If a column is shorter than `rays.len`.
 pub fn closest<const N: usize>(world: &World, filter: &impl Filter, rays: Rays, hits: Hits) {
-    fly::<_, _, N>(world, filter, &mut ClosestHit { rays, hits });
+    fly::<_, _, N, false>(world, filter, &[], &mut ClosestHit { rays, hits });
 }
 
 /// Writes 1 for each segment that something lies on, else 0.
@@ -124,7 +128,35 @@ pub fn occluded<const N: usize>(
     segments: Segments,
     occluded: &mut [u32],
 ) {
-    fly::<_, _, N>(world, filter, &mut Occlusion { segments, occluded });
+    fly::<_, _, N, false>(world, filter, &[], &mut Occlusion { segments, occluded });
+}
+
+/// [`closest`] where instances move: ray `i` lives at `times[i]`.
+///
+/// # Panics
+/// If a column is shorter than `rays.len`.
+pub fn closest_at<const N: usize>(
+    world: &World,
+    filter: &impl Filter,
+    times: &[f32],
+    rays: Rays,
+    hits: Hits,
+) {
+    fly::<_, _, N, true>(world, filter, times, &mut ClosestHit { rays, hits });
+}
+
+/// [`occluded`] where instances move: segment `i` lives at `times[i]`.
+///
+/// # Panics
+/// If a column is shorter than `segments.len`.
+pub fn occluded_at<const N: usize>(
+    world: &World,
+    filter: &impl Filter,
+    times: &[f32],
+    segments: Segments,
+    occluded: &mut [u32],
+) {
+    fly::<_, _, N, true>(world, filter, times, &mut Occlusion { segments, occluded });
 }
 
 /// What a query does with one hit at a time.
@@ -239,7 +271,13 @@ const SPHERES: usize = 2;
 const DOORS: usize = 3;
 const DONE: usize = 4;
 
-fn fly<Q: Ask, F: Filter, const N: usize>(world: &World, filter: &F, query: &mut Q) {
+/// `MOVES` where instances may move; else there are no `times`.
+fn fly<Q: Ask, F: Filter, const N: usize, const MOVES: bool>(
+    world: &World,
+    filter: &F,
+    times: &[f32],
+    query: &mut Q,
+) {
     const { assert!(N.is_power_of_two() && N <= 256) };
     let mut slots: [Slot<Q::State>; N] = std::array::from_fn(|_| Slot::default());
     let mut queues = [const { Queue::<N>::new() }; 5];
@@ -274,7 +312,7 @@ fn fly<Q: Ask, F: Filter, const N: usize>(world: &World, filter: &F, query: &mut
                 }
                 BLOCKS => visit::<Q, F>(slot, &world.bvh.blocks[index(slot.next)], filter),
                 SPHERES => roll::<Q>(slot, &world.spheres[index(slot.next)]),
-                _ => enter(world, slot),
+                _ => enter::<_, MOVES>(world, slot, times),
             }
         }
         // A queue is written behind where it is read.
@@ -355,11 +393,20 @@ fn kind<S>(world: &World, slot: &Slot<S>) -> usize {
 
 /// Takes a ray through a door.
 #[inline(always)]
-fn enter<S>(world: &World, slot: &mut Slot<S>) {
+fn enter<S, const MOVES: bool>(world: &World, slot: &mut Slot<S>, times: &[f32]) {
     slot.level = 1;
     slot.stacks[1].clear();
     let place = index(slot.next) - world.spheres.len();
     if let Some(instance) = world.instances.get(place) {
+        let moved;
+        let instance = match MOVES && instance.motion != STILL {
+            false => instance,
+            true => {
+                let motion = &world.motions[instance.motion as usize];
+                moved = motion.placed(instance, times[slot.id]);
+                &moved
+            }
+        };
         let origin = instance.point_in(slot.origin);
         let direction = instance.direction_in(slot.direction);
         slot.ray = slot.home.seen_as(origin, direction);

@@ -24,6 +24,7 @@ pub(crate) use interpolate::coordinates_at;
 use crate::instance::{Guide, Instance, OWN_MATERIAL};
 use crate::interpolate::Attributes;
 use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask};
+use crate::motion::{Motion, ROUNDINGS, STILL};
 use crate::sphere::{self, Sphere};
 use crate::surface::{Corners, Place, clearance, gamma};
 use crate::tables::Triangles;
@@ -64,6 +65,8 @@ pub struct Others<'a> {
     pub sphere_selection: &'a [f32],
     /// Instances, by rising number of the first triangle.
     pub instances: &'a [Instance],
+    /// How some of them move.
+    pub motions: &'a [Motion],
     /// Finds them.
     pub guide: &'a Guide,
     /// Objects.
@@ -88,7 +91,8 @@ static HOME: Instance = {
         object: 0,
         material: OWN_MATERIAL,
         root: 0,
-        spare: [0; 7],
+        motion: STILL,
+        spare: [0; 6],
     }
 };
 
@@ -135,6 +139,19 @@ impl Others<'_> {
         }
     }
 
+    /// Where instances are at their moments, and what their points are off by.
+    pub(crate) fn moved(&self, maps: &[&Instance; LANES], times: Fx) -> ([Instance; LANES], Fx) {
+        let mut roundings = [gamma(40.0); LANES];
+        let moved = std::array::from_fn(|lane| match maps[lane].motion {
+            STILL => *maps[lane],
+            motion => {
+                roundings[lane] = gamma(ROUNDINGS);
+                self.motions[motion as usize].placed(maps[lane], times.as_array()[lane])
+            }
+        });
+        (moved, Fx::new(roundings))
+    }
+
     /// Lanes that hold spheres.
     #[inline(always)]
     #[must_use]
@@ -143,10 +160,17 @@ impl Others<'_> {
         as_mask(!primitive.simd_lt(Ux::splat(self.first)) & primitive.simd_lt(Ux::splat(end)))
     }
 
-    /// Where hits are, whatever was hit.
+    /// Where hits are, whatever was hit, at their `times` if anything moves.
     #[inline(never)]
     #[must_use]
-    pub fn place(&self, triangles: &Triangles, primitive: Ux, u: Fx, v: Fx) -> Place {
+    pub fn place(
+        &self,
+        triangles: &Triangles,
+        primitive: Ux,
+        u: Fx,
+        v: Fx,
+        times: Option<Fx>,
+    ) -> Place {
         let names = primitive.to_array();
         let mut material = [0; LANES];
         let mut maps = [&HOME; LANES];
@@ -179,7 +203,14 @@ impl Others<'_> {
         }
         let first = names.map(|name| name < self.first);
         let home: Mask = as_mask(Ux::new(first.map(|home| if home { !0 } else { 0 })));
-        let on_triangle = copied(&corners, &maps, home, u, v);
+        let on_triangle = match times {
+            None => copied(&corners, &maps, home, u, v, Fx::splat(gamma(40.0))),
+            Some(times) => {
+                let (moved, roundings) = self.moved(&maps, times);
+                let maps = moved.each_ref();
+                copied(&corners, &maps, home, u, v, roundings)
+            }
+        };
         let spheres = self.are_spheres(primitive);
         let place = if spheres.to_bitmask() == 0 {
             on_triangle
@@ -263,7 +294,8 @@ fn corners_of(corners: &[[[f32; 3]; 3]; LANES]) -> Corners {
     }
 }
 
-/// Points on triangles of objects; where `home`, exactly what they are without others.
+/// Points on triangles of objects, off by `roundings` times the scale of their error; where `home`,
+/// exactly what they are without others.
 #[inline(always)]
 fn copied(
     corners: &[[[f32; 3]; 3]; LANES],
@@ -271,6 +303,7 @@ fn copied(
     home: Mask,
     u: Fx,
     v: Fx,
+    roundings: Fx,
 ) -> Place {
     let corners = corners_of(corners);
     let maps = Maps::gather(maps);
@@ -286,7 +319,7 @@ fn copied(
     let outside = Vec3x::select(home, normal, maps.normal(normal));
     let seen = transform(to_object.map(Vec3x::abs), (point - origin).abs(), s);
     let error = transform(to_world.map(Vec3x::abs), seen, origin.abs());
-    let copy = outside.abs().dot(error) * Fx::splat(gamma(40.0));
+    let copy = outside.abs().dot(error) * roundings;
     Place {
         point,
         outside,

@@ -1,6 +1,6 @@
 //! The queues of the wave: what a path is between two stages.
 
-use crate::lanes::{LANES, Mask, Ux, first, gather_u32, load_u32, padded};
+use crate::lanes::{Fx, LANES, Mask, Ux, first, gather, gather_u32, load_u32, padded};
 use crate::soa;
 
 /// Set in `bounces` of a path that may find light but does not scatter again.
@@ -52,6 +52,30 @@ soa! {
     }
 }
 
+soa! {
+    /// The wavelengths of [`Paths`], item by item, where something disperses light.
+    pub struct Wavelengths, WavelengthsMut {
+        /// In nanometres; 0 while the path carries all of them.
+        wavelength: F32,
+    }
+}
+
+soa! {
+    /// The media of [`Paths`], item by item, where a scene has any.
+    pub struct Mediums, MediumsMut {
+        /// The one that the ray runs through: a row of `medium::Media`.
+        medium: U32,
+    }
+}
+
+soa! {
+    /// The moments at which [`Paths`] live, or [`Shadows`], item by item, where something moves.
+    pub struct Times, TimesMut {
+        /// 0 where the shutter opens, 1 where it closes.
+        time: F32,
+    }
+}
+
 /// Some of the wave's paths at the ends of their rays: what a shading kernel is given.
 #[derive(Clone, Copy, Debug)]
 pub struct Listed<'a> {
@@ -66,9 +90,18 @@ pub struct Listed<'a> {
     /// The material that each path of the wave met, where that is not its triangle's: place by place
     /// of the queue, not of the list.
     pub material: Option<&'a [u32]>,
+    /// The moments at which the wave's paths live, where something moves.
+    pub times: Option<&'a [f32]>,
 }
 
 impl<'a> Listed<'a> {
+    /// The moments of the paths at places `at`.
+    #[inline(always)]
+    #[must_use]
+    pub fn times(&self, at: Ux) -> Option<Fx> {
+        self.times.map(|times| gather(times, at))
+    }
+
     /// A vector of paths at a time: the place of its first item in the list, the paths' places in
     /// the queue, and which lanes hold one.
     #[inline(always)]
@@ -141,6 +174,8 @@ soa! {
     pub struct Textured, TexturedMut {
         /// As `tables::Materials::parameters`.
         parameters: Slots,
+        /// The row's own number: its material among `parameters`.
+        row: U32,
     }
 }
 

@@ -57,7 +57,9 @@ pub const SURVIVAL_CAP: f32 = 0.99;
 /// Applies the rules to the first `n` paths: weighs the survivors, marks last rays, and pushes which
 /// lanes of each vector survive to `kept` (which has room). `dropped` is called with the slot of each
 /// path whose throughput is not finite.
-pub fn roulette<S: Sampler>(
+///
+/// `SIGNED` where throughput may be negative, as dispersion makes it: its size counts then.
+pub fn roulette<S: Sampler, const SIGNED: bool>(
     n: usize,
     paths: &mut PathsMut,
     rules: Rules,
@@ -72,7 +74,11 @@ pub fn roulette<S: Sampler>(
             load(paths.throughput[1], i),
             load(paths.throughput[2], i),
         );
-        let largest = throughput.max_component();
+        let largest = if SIGNED {
+            throughput.abs().max_component()
+        } else {
+            throughput.max_component()
+        };
         let (busy, finite) = (first(n - i), throughput.is_finite());
         report(
             (busy & !finite).to_bitmask(),

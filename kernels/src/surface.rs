@@ -15,7 +15,7 @@
 //!
 //! The triangle that a ray leaves is also excluded by index, which is exact.
 
-use crate::lanes::{Fx, Mask, Ux, as_mask, gather, gather_u32};
+use crate::lanes::{Fx, Mask, Ux, as_mask, gather, gather_rows, gather_u32};
 use crate::queues::Listed;
 use crate::tables::Triangles;
 use crate::vec3::Vec3x;
@@ -49,15 +49,8 @@ impl Corners {
     #[inline(always)]
     #[must_use]
     pub fn gather(triangles: &Triangles, primitive: Ux) -> Self {
-        let primitive = primitive.to_array();
-        let corner = |k: usize| {
-            Ux::new(std::array::from_fn(|lane| {
-                triangles.indices[primitive[lane] as usize][k]
-            }))
-        };
-        let v0 = Vec3x::gather(triangles.vertices, corner(0));
-        let v1 = Vec3x::gather(triangles.vertices, corner(1));
-        let v2 = Vec3x::gather(triangles.vertices, corner(2));
+        let corners = gather_rows(triangles.indices, primitive);
+        let [v0, v1, v2] = corners.map(|corner| Vec3x::gather(triangles.vertices, corner));
         Self {
             v0,
             e1: v1 - v0,
@@ -153,13 +146,20 @@ pub struct Place {
 }
 
 impl Place {
-    /// Where hits are that are called `primitive`, at `u` and `v`.
+    /// Where hits are that are called `primitive`, at `u` and `v`; `times` says when, which matters to
+    /// instances that move alone.
     #[inline(always)]
     #[must_use]
-    pub fn of(triangles: &Triangles, primitive: Ux, u: Fx, v: Fx) -> Self {
+    pub fn of(
+        triangles: &Triangles,
+        primitive: Ux,
+        u: Fx,
+        v: Fx,
+        times: impl FnOnce() -> Option<Fx>,
+    ) -> Self {
         // The same for the whole render.
         if let Some(others) = &triangles.others {
-            return others.place(triangles, primitive, u, v);
+            return others.place(triangles, primitive, u, v, times());
         }
         let corners = Corners::gather(triangles, primitive);
         let outside = corners.unit_normal();
@@ -195,16 +195,23 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// The interaction of rays with unit `direction` at their hits.
+    /// The interaction of rays with unit `direction` at their hits; for `times` see [`Place::of`].
     #[inline(always)]
     #[must_use]
-    pub fn at(triangles: &Triangles, primitive: Ux, u: Fx, v: Fx, direction: Vec3x) -> Self {
+    pub fn at(
+        triangles: &Triangles,
+        primitive: Ux,
+        u: Fx,
+        v: Fx,
+        direction: Vec3x,
+        times: impl FnOnce() -> Option<Fx>,
+    ) -> Self {
         let Place {
             point,
             outside,
             clearance,
             material,
-        } = Place::of(triangles, primitive, u, v);
+        } = Place::of(triangles, primitive, u, v, times);
         let cos = outside.dot(direction);
         let front = cos.simd_lt(Fx::ZERO);
         let normal = Vec3x::select(front, outside, -outside);
@@ -231,6 +238,7 @@ impl Surface {
             gather(hits.u, at),
             gather(hits.v, at),
             Vec3x::gather_columns(listed.paths.direction, at),
+            || listed.times(at),
         )
     }
 

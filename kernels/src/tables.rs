@@ -4,6 +4,7 @@ use crate::images::Images;
 use crate::interpolate::Attributes;
 use crate::lanes::{Fx, Ux, gather};
 use crate::light::{Environment, Punctual, Tree};
+use crate::medium::Media;
 use crate::others::Others;
 use crate::vec3::{Columns, Vec3x};
 
@@ -23,6 +24,8 @@ pub struct Tables<'a> {
     pub attributes: Option<Attributes<'a>>,
     /// What materials read of images, where some do.
     pub images: Option<Images<'a>>,
+    /// Media, where the scene has any.
+    pub media: Option<Media<'a>>,
 }
 
 /// Triangle tables, world space.
@@ -101,6 +104,8 @@ pub struct Parameters<'a> {
     pub materials: &'a Materials<'a>,
     /// The material in each lane.
     pub material: Ux,
+    /// The wavelength in each lane, nanometres; for kinds that disperse.
+    pub wavelength: Fx,
 }
 
 impl Parameters<'_> {

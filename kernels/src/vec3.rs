@@ -1,7 +1,7 @@
 //! Three vectors of lanes: `LANES` points, directions or colours.
 
 use crate::lanes::Ux;
-use crate::lanes::{Fx, LANES, Mask, gather, load, store};
+use crate::lanes::{Fx, Mask, gather, gather_rows, load, store};
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 /// One `f32` column for each of x, y and z (or red, green and blue).
@@ -58,15 +58,9 @@ impl Vec3x {
     #[inline(always)]
     #[must_use]
     pub fn gather(table: &[[f32; 3]], index: Ux) -> Self {
-        let index = index.to_array();
-        let mut rows = [[0.0; LANES]; 3];
-        for lane in 0..LANES {
-            let row = table[index[lane] as usize];
-            rows[0][lane] = row[0];
-            rows[1][lane] = row[1];
-            rows[2][lane] = row[2];
-        }
-        Self::new(Fx::new(rows[0]), Fx::new(rows[1]), Fx::new(rows[2]))
+        let rows: &[[u32; 3]] = bytemuck::cast_slice(table);
+        let [x, y, z] = gather_rows(rows, index);
+        Self::new(bytemuck::cast(x), bytemuck::cast(y), bytemuck::cast(z))
     }
 
     /// Row `index` of a table in columns, one index a lane.
@@ -128,6 +122,14 @@ impl Vec3x {
     #[must_use]
     pub fn max_component(self) -> Fx {
         self.x.fast_max(self.y).fast_max(self.z)
+    }
+
+    /// True where any component is other than 0: of a radiance, where there is any. No arithmetic, so
+    /// that neither signs nor sizes matter; true also where a component is not a number.
+    #[inline(always)]
+    #[must_use]
+    pub fn any_light(self) -> Mask {
+        (self.x | self.y | self.z).simd_ne(Fx::ZERO)
     }
 
     /// Divided by its length. A zero vector gives NaN: mask such lanes.

@@ -4,7 +4,9 @@ mod common;
 
 use common::{Suite, pcg4d_twin};
 use huygens_kernels::lanes::{LANES, Ux, iota};
-use huygens_kernels::sampler::{BlueNoise, Independent, Sampler, Sobol, Stratified, sobol};
+use huygens_kernels::sampler::{
+    Apart, Block, BlueNoise, Independent, Sampler, Sobol, Stratified, apart, block, sobol,
+};
 use proptest::prelude::*;
 
 /// MurmurHash3's finalizer, as published.
@@ -265,6 +267,38 @@ fn blocks_are_independent() {
     for (k, cells) in cells.iter().enumerate() {
         for (pair, cells) in cells.iter().enumerate() {
             suite.test_uniform(&format!("sampler {k}, pair {pair}"), cells);
+        }
+    }
+    suite.finish();
+}
+
+/// What a path draws apart, against what it draws for its direction.
+#[test]
+fn numbers_drawn_apart_are_independent_of_the_others() {
+    let mut suite = Suite::default();
+    for what in [Apart::Wavelength, Apart::Medium, Apart::Time] {
+        let mut cells = vec![[[0u64; 64]; 16]; 4];
+        for seed in 0..4096 {
+            let mut k = 0;
+            each(16, seed, |_, draw| {
+                let at = |block| draw(Ux::splat(seed), Ux::splat(1), Ux::splat(5), block);
+                let own = at(block(iota(0), Block::Direction));
+                let other = at(apart(iota(0), what));
+                for l in 0..LANES {
+                    for a in 0..4 {
+                        for b in 0..4 {
+                            let [x, y] = [own[a][l], other[b][l]].map(|v| (v * 8.0) as usize);
+                            cells[k][4 * a + b][8 * x + y] += 1;
+                        }
+                    }
+                }
+                k += 1;
+            });
+        }
+        for (k, cells) in cells.iter().enumerate() {
+            for (pair, cells) in cells.iter().enumerate() {
+                suite.test_uniform(&format!("{what:?}, sampler {k}, pair {pair}"), cells);
+            }
         }
     }
     suite.finish();

@@ -26,6 +26,7 @@ fn with_lamp(h: f32, r: f32, test: impl Fn(&Tables, &Others, &Anchor)) {
         sphere_material: &[0],
         sphere_selection: ONE,
         instances: &[],
+        motions: &[],
         guide: &guide,
         objects: &[],
     };

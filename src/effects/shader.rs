@@ -21,17 +21,23 @@ pub enum Shader {
     SmoothDielectric,
     /// Frosted glass.
     RoughDielectric,
+    /// Clear glass whose index depends on the wavelength.
+    SmoothDispersive,
+    /// Frosted glass whose index depends on the wavelength.
+    RoughDispersive,
     /// The metallic-roughness model, where nothing passes.
     Principled,
     /// The same where light passes.
     PrincipledGlass,
+    /// No surface: a medium that scatters.
+    Medium,
     /// One of two others, at random.
     Mix,
 }
 
 impl Shader {
     /// All there are, in the order in which they run.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 13] = [
         Self::Plain,
         Self::Diffuse,
         Self::RoughDiffuse,
@@ -39,8 +45,11 @@ impl Shader {
         Self::RoughConductor,
         Self::SmoothDielectric,
         Self::RoughDielectric,
+        Self::SmoothDispersive,
+        Self::RoughDispersive,
         Self::Principled,
         Self::PrincipledGlass,
+        Self::Medium,
         Self::Mix,
     ];
 
@@ -55,8 +64,11 @@ impl Shader {
             Self::RoughConductor => "rough conductor",
             Self::SmoothDielectric => "smooth dielectric",
             Self::RoughDielectric => "rough dielectric",
+            Self::SmoothDispersive => "smooth dispersive dielectric",
+            Self::RoughDispersive => "rough dispersive dielectric",
             Self::Principled => "principled",
             Self::PrincipledGlass => "principled glass",
+            Self::Medium => "scattering medium",
             Self::Mix => "mix",
         }
     }
@@ -72,16 +84,28 @@ impl Shader {
             Self::RoughConductor => "shade: rough conductor",
             Self::SmoothDielectric => "shade: smooth dielectric",
             Self::RoughDielectric => "shade: rough dielectric",
+            Self::SmoothDispersive => "shade: smooth dispersive dielectric",
+            Self::RoughDispersive => "shade: rough dispersive dielectric",
             Self::Principled => "shade: principled",
             Self::PrincipledGlass => "shade: principled glass",
+            Self::Medium => "shade: medium",
             Self::Mix => "shade: mix",
         }
+    }
+
+    /// Whether it has rows of surface interactions between its passes.
+    #[must_use]
+    pub fn has_rows(self) -> bool {
+        !matches!(self, Self::Plain | Self::Medium | Self::Mix)
     }
 
     /// Whether light can only be found by following its directions.
     #[must_use]
     pub fn is_delta(self) -> bool {
-        matches!(self, Self::SmoothConductor | Self::SmoothDielectric)
+        matches!(
+            self,
+            Self::SmoothConductor | Self::SmoothDielectric | Self::SmoothDispersive
+        )
     }
 
     /// Whether light passes through.
@@ -89,16 +113,23 @@ impl Shader {
     pub fn passes(self) -> bool {
         matches!(
             self,
-            Self::SmoothDielectric | Self::RoughDielectric | Self::PrincipledGlass
+            Self::SmoothDielectric
+                | Self::RoughDielectric
+                | Self::SmoothDispersive
+                | Self::RoughDispersive
+                | Self::PrincipledGlass
         )
+    }
+
+    /// Whether what it does depends on the wavelength.
+    #[must_use]
+    pub fn disperses(self) -> bool {
+        matches!(self, Self::SmoothDispersive | Self::RoughDispersive)
     }
 
     /// The shader of a material; `bent` if it cannot be plain: a surface that wears it has
     /// interpolated normals, or it is part of a mixture.
     pub(super) fn of(material: &Material, bent: bool) -> Self {
-        let polished = |roughness: &Textured<f32>| {
-            roughness.texture.is_none() && roughness.factor * roughness.factor < ALPHA_FLOOR
-        };
         match &material.bsdf {
             Bsdf::Diffuse { roughness, .. } if *roughness > 0.0 => Self::RoughDiffuse,
             Bsdf::Diffuse { reflectance, .. } => {
@@ -110,13 +141,22 @@ impl Shader {
             }
             Bsdf::Conductor { roughness, .. } if polished(roughness) => Self::SmoothConductor,
             Bsdf::Conductor { .. } => Self::RoughConductor,
-            Bsdf::Dielectric(glass) if polished(&glass.roughness) => Self::SmoothDielectric,
-            Bsdf::Dielectric(_) => Self::RoughDielectric,
+            Bsdf::Dielectric(glass) => match (polished(&glass.roughness), glass.disperses()) {
+                (true, false) => Self::SmoothDielectric,
+                (false, false) => Self::RoughDielectric,
+                (true, true) => Self::SmoothDispersive,
+                (false, true) => Self::RoughDispersive,
+            },
             Bsdf::Principled(p) if passes(p) => Self::PrincipledGlass,
             Bsdf::Principled(_) => Self::Principled,
             Bsdf::Mix { .. } => Self::Mix,
         }
     }
+}
+
+/// Whether a roughness is none.
+pub(crate) fn polished(roughness: &Textured<f32>) -> bool {
+    roughness.texture.is_none() && roughness.factor * roughness.factor < ALPHA_FLOOR
 }
 
 fn passes(p: &Principled) -> bool {

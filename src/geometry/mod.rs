@@ -7,6 +7,7 @@
 mod build;
 mod collapse;
 mod layout;
+mod motion;
 mod pages;
 mod ploc;
 mod sbvh;
@@ -15,7 +16,7 @@ mod tests_of_presets;
 mod top;
 mod world;
 
-use crate::scene::{Mesh, Scene};
+use crate::scene::{Mesh, Motion, Scene};
 pub use crate::settings::Preset;
 use build::Binary;
 use collapse::Collapse;
@@ -144,6 +145,28 @@ impl Geometry {
     /// For each segment: 1 if something lies on it that `filter` accepts, else 0.
     pub fn occluded_where(&self, filter: &impl Filter, segments: Segments, occluded: &mut [u32]) {
         levels::occluded::<IN_FLIGHT>(&self.levels(), filter, segments, occluded);
+    }
+
+    /// [`Geometry::closest`] where instances move: ray `i` lives at `times[i]`.
+    pub fn closest_at(&self, filter: &impl Filter, times: &[f32], rays: Rays, hits: Hits) {
+        levels::closest_at::<IN_FLIGHT>(&self.levels(), filter, times, rays, hits);
+    }
+
+    /// [`Geometry::occluded`] where instances move: segment `i` lives at `times[i]`.
+    pub fn occluded_at(
+        &self,
+        filter: &impl Filter,
+        times: &[f32],
+        segments: Segments,
+        occluded: &mut [u32],
+    ) {
+        levels::occluded_at::<IN_FLIGHT>(&self.levels(), filter, times, segments, occluded);
+    }
+
+    /// How instances move, those that do.
+    #[must_use]
+    pub fn motions(&self) -> &[Motion] {
+        self.world.as_ref().map_or(&[], |world| &world.motions)
     }
 
     fn levels(&self) -> levels::World<'_> {

@@ -2,12 +2,14 @@
 //! all of that and the spheres (`top.rs`), in the tables that `kernels/src/levels.rs` walks.
 
 use super::layout::Layout;
+use super::motion::swept;
 use super::top::{Item, Top};
-use crate::scene::{Placement, Scene};
+use crate::scene::{Motion, Placement, Scene};
 use glam::{DVec3, Vec3A};
 use huygens_kernels::bvh::{Bvh, LEAF, NOTHING, Node, index, leaf};
 use huygens_kernels::instance::{Guide, Instance, OWN_MATERIAL};
 use huygens_kernels::levels;
+use huygens_kernels::motion::STILL;
 use huygens_kernels::sphere::{Sphere, SphereBlock};
 use obvhs::aabb::Aabb;
 
@@ -20,6 +22,8 @@ pub(super) struct World {
     blocks: Vec<SphereBlock>,
     /// By rising number of the first triangle.
     pub(super) instances: Vec<Instance>,
+    /// How some of them move.
+    pub(super) motions: Vec<Motion>,
     pub(super) guide: Guide,
     /// Spheres by their places, for shading.
     pub(super) spheres: Vec<Sphere>,
@@ -49,6 +53,7 @@ impl World {
             .collect();
         let mut first = (scene.mesh.triangles() + scene.spheres.len()) as u64;
         let (mut instances, mut items) = (Vec::new(), Vec::new());
+        let mut motions = Vec::new();
         for instance in &scene.instances {
             let object = instance.object as usize;
             let Some(Rooted { root, aabb }) = &objects[object] else {
@@ -59,8 +64,16 @@ impl World {
                 to_world,
                 origin,
             } = instance.placement;
+            let (motion, aabb) = match &instance.motion {
+                None => (STILL, placed(aabb, &instance.placement)),
+                Some(motion) => {
+                    motions.push(*motion);
+                    let moves = swept(aabb, &instance.placement, motion);
+                    (motions.len() as u32 - 1, moves)
+                }
+            };
             items.push(Item {
-                aabb: placed(aabb, &instance.placement),
+                aabb,
                 is_sphere: false,
             });
             instances.push(Instance {
@@ -71,7 +84,8 @@ impl World {
                 object: instance.object,
                 material: instance.material.unwrap_or(OWN_MATERIAL),
                 root: *root,
-                spare: [0; 7],
+                motion,
+                spare: [0; 6],
             });
             first += scene.objects[object].mesh.triangles() as u64;
         }
@@ -98,6 +112,7 @@ impl World {
                 .reduce(|a, b| a.union(&b)),
             blocks: Vec::new(),
             instances,
+            motions,
             guide,
             spheres,
         };
@@ -148,6 +163,7 @@ impl World {
             own_root: self.own_root,
             spheres: &self.blocks,
             instances: &self.instances,
+            motions: &self.motions,
         }
     }
 
@@ -157,7 +173,9 @@ impl World {
 
     pub(super) fn memory(&self) -> [(&'static str, usize); 2] {
         let spheres = size_of_val(self.blocks.as_slice()) + size_of_val(self.spheres.as_slice());
-        let instances = size_of_val(self.instances.as_slice()) + self.guide.bytes();
+        let instances = size_of_val(self.instances.as_slice())
+            + size_of_val(self.motions.as_slice())
+            + self.guide.bytes();
         [("bvh spheres", spheres), ("bvh instances", instances)]
     }
 }
@@ -197,7 +215,7 @@ fn in_kernels(sphere: &crate::scene::Sphere) -> Sphere {
 
 /// Rounded outwards from f64: to the next f32 of what the cast has rounded to the nearest, and that
 /// of one more for the rounding of the f64.
-fn outwards(low: DVec3, high: DVec3) -> Aabb {
+pub(super) fn outwards(low: DVec3, high: DVec3) -> Aabb {
     let low = low.to_array().map(|c| (c as f32).next_down().next_down());
     let high = high.to_array().map(|c| (c as f32).next_up().next_up());
     Aabb::new(Vec3A::from_array(low), Vec3A::from_array(high))

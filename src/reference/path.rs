@@ -2,31 +2,75 @@
 
 use super::Reference;
 use super::bsdf::Reader;
+use super::fog::{Fog, anywhere};
 use super::random::uniform;
 use super::surface::Frame;
 use super::world::{Hit, Ray};
 use crate::scene::Bsdf;
 use glam::DVec3;
 use rand_pcg::rand_core::Rng;
+use std::f64::consts::PI;
 
 /// Where a path goes on, and what it sees there is multiplied with.
 struct Next {
     ray: Ray,
     weight: DVec3,
+    /// Whether what surfaces emit there was summed already.
+    lit: bool,
 }
 
 impl Reference<'_> {
-    pub(super) fn radiance(&self, rng: &mut impl Rng, ray: &Ray, depth: u32) -> DVec3 {
-        let Some(hit) = self.world.closest(rng, ray) else {
-            return self.lights.beyond(ray.direction);
+    /// What `ray` sees; `lit` if what surfaces emit is not to be seen.
+    pub(super) fn radiance(&self, rng: &mut impl Rng, ray: &Ray, depth: u32, lit: bool) -> DVec3 {
+        let hit = self.world.closest(rng, ray);
+        let Some(fog) = &self.fog else {
+            return self.met(rng, ray, hit, depth, lit);
         };
-        match self.scatter(rng, ray, &hit, depth) {
-            (seen, None) => seen,
-            (seen, Some(next)) => seen + next.weight * self.radiance(rng, &next.ray, depth + 1),
+        let way = hit.as_ref().map_or(f64::INFINITY, |hit| hit.t);
+        match fog.travel(rng, ray, way) {
+            (None, left) => left * self.met(rng, ray, hit, depth, lit),
+            (Some(_), _) if depth >= self.manner.max_depth => DVec3::ZERO,
+            (Some(t), weight) => weight * self.in_fog(rng, fog, ray, t, depth),
         }
     }
 
-    /// What is seen of a hit without going on, and where to go on.
+    /// What is seen of the fog where it scatters light, `t` along a ray.
+    fn in_fog(&self, rng: &mut impl Rng, fog: &Fog, ray: &Ray, t: f64, depth: u32) -> DVec3 {
+        let origin = ray.origin + t * ray.direction;
+        let phase = |to: DVec3| fog.phase(ray.direction.dot(to));
+        let delta = self.delta_lights(rng, origin, |to| DVec3::splat(phase(to)), None);
+        let direction = anywhere(rng);
+        let next = Ray {
+            origin,
+            direction,
+            leaves: None,
+        };
+        let weight = phase(direction) * 4.0 * PI;
+        delta + weight * self.radiance(rng, &next, depth + 1, false)
+    }
+
+    /// What is left of light over the first `way` of a ray.
+    fn left(&self, ray: &Ray, way: f64) -> DVec3 {
+        let fog = self.fog.as_ref();
+        fog.map_or(DVec3::ONE, |fog| fog.transmittance(ray, way))
+    }
+
+    /// What is seen of what a ray meets.
+    fn met(&self, rng: &mut impl Rng, ray: &Ray, hit: Option<Hit>, depth: u32, lit: bool) -> DVec3 {
+        let Some(hit) = hit else {
+            return self.lights.beyond(ray.direction);
+        };
+        let (mut seen, emitted, next) = self.scatter(rng, ray, &hit, depth);
+        if !lit {
+            seen += emitted;
+        }
+        if let Some(Next { ray, weight, lit }) = next {
+            seen += weight * self.radiance(rng, &ray, depth + 1, lit);
+        }
+        seen
+    }
+
+    /// At a hit, what light that is looked for comes from there, what is emitted, and where to go on.
     #[inline(never)] // keeps what the recursion puts on the stack small
     fn scatter(
         &self,
@@ -34,7 +78,7 @@ impl Reference<'_> {
         ray: &Ray,
         hit: &Hit,
         depth: u32,
-    ) -> (DVec3, Option<Next>) {
+    ) -> (DVec3, DVec3, Option<Next>) {
         let scene = self.world.scene;
         let origin = ray.origin + hit.t * ray.direction;
         let (outside, worn) = self.world.surface(hit.surface, origin);
@@ -45,14 +89,9 @@ impl Reference<'_> {
         let read = Reader {
             point: Some((scene, &point)),
         };
-        let surface = &scene.materials[worn as usize];
-        let emitted = if front || surface.two_sided {
-            read.colour(&surface.emission)
-        } else {
-            DVec3::ZERO
-        };
-        if depth >= self.max_depth {
-            return (emitted, None);
+        let emitted = self.world.emitted(hit.surface, hit.weights, front);
+        if depth >= self.manner.max_depth {
+            return (DVec3::ZERO, emitted, None);
         }
         let normal = if front { outside } else { -outside };
         let shading = point.towards(front, normal, -ray.direction);
@@ -73,18 +112,24 @@ impl Reference<'_> {
             let local = frame.local(omega_i);
             factor(omega_i, local.z) * bsdf.evaluate(omega_o, local)
         };
-        let seen = emitted + self.delta_lights(rng, origin, response, hit.surface);
-        let next = bsdf.draw(omega_o, self.uniform, rng).and_then(|drawn| {
-            let direction = frame.world(drawn.direction);
-            let weight = factor(direction, drawn.direction.z) * drawn.weight;
-            let ray = Ray {
-                origin,
-                direction,
-                leaves: Some(hit.surface),
-            };
-            (weight != DVec3::ZERO).then_some(Next { ray, weight })
-        });
-        (seen, next)
+        let mut seen = self.delta_lights(rng, origin, response, Some(hit.surface));
+        let lit = self.manner.samples_lights && bsdf.is_diffuse();
+        if lit {
+            seen += self.emitters(rng, origin, response, hit.surface);
+        }
+        let next = bsdf
+            .draw(omega_o, self.manner.uniform, rng)
+            .and_then(|drawn| {
+                let direction = frame.world(drawn.direction);
+                let weight = factor(direction, drawn.direction.z) * drawn.weight;
+                let ray = Ray {
+                    origin,
+                    direction,
+                    leaves: Some(hit.surface),
+                };
+                (weight != DVec3::ZERO).then_some(Next { ray, weight, lit })
+            });
+        (seen, emitted, next)
     }
 
     /// The material that a path meets of `worn`: of a mixture, one of its parts.
@@ -106,20 +151,58 @@ impl Reference<'_> {
         worn
     }
 
-    /// What is reflected or passes of the lights that no ray finds, at `origin` on surface `leaves`.
-    fn delta_lights(
+    /// What is reflected of all that surfaces emit, by one point on each.
+    fn emitters(
         &self,
         rng: &mut impl Rng,
         origin: DVec3,
         response: impl Fn(DVec3) -> DVec3,
         leaves: usize,
     ) -> DVec3 {
+        let mut sum = DVec3::ZERO;
+        for &emitter in &self.emitters {
+            let drawn = self.world.point_on(emitter, rng);
+            let to = drawn.point - origin;
+            let direction = to.normalize();
+            let facing = -direction.dot(drawn.outside);
+            let radiance = self.world.emitted(emitter, drawn.weights, facing > 0.0);
+            let response = response(direction);
+            if emitter == leaves || radiance * response == DVec3::ZERO {
+                continue;
+            }
+            let ray = Ray {
+                origin,
+                direction,
+                leaves: Some(leaves),
+            };
+            let met = self.world.closest(rng, &ray);
+            // Of a round emitter, the near side.
+            let reached = met.is_some_and(|hit| {
+                hit.surface == emitter && (hit.t / to.length() - 1.0).abs() < 1e-6
+            });
+            if reached {
+                let seen = facing.abs() * drawn.area / to.length_squared();
+                sum += self.left(&ray, to.length()) * radiance * response * seen;
+            }
+        }
+        sum
+    }
+
+    /// What is reflected or passes of the lights that no ray finds, at `origin` on surface `leaves` or in
+    /// the fog.
+    fn delta_lights(
+        &self,
+        rng: &mut impl Rng,
+        origin: DVec3,
+        response: impl Fn(DVec3) -> DVec3,
+        leaves: Option<usize>,
+    ) -> DVec3 {
         let arriving = self.lights.arriving(origin).map(|light| {
             let response = response(light.direction);
             let ray = Ray {
                 origin,
                 direction: light.direction,
-                leaves: Some(leaves),
+                leaves,
             };
             let free = response != DVec3::ZERO
                 && self
@@ -127,7 +210,7 @@ impl Reference<'_> {
                     .closest(rng, &ray)
                     .is_none_or(|hit| hit.t >= light.distance);
             if free {
-                light.irradiance * response
+                self.left(&ray, light.distance) * light.irradiance * response
             } else {
                 DVec3::ZERO
             }

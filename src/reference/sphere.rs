@@ -1,10 +1,13 @@
 //! The oracle's spheres and copies, in the formulas of school.
 
 use super::carried::Carried;
+use super::random::uniform;
 use super::vector;
-use super::world::{Ray, Triangle};
+use super::world::{Drawn, Ray, Triangle};
 use crate::scene::{self, Scene};
 use glam::DVec3;
+use rand_pcg::rand_core::Rng;
+use std::f64::consts::{PI, TAU};
 
 /// A sphere.
 #[derive(Debug)]
@@ -20,6 +23,20 @@ impl Sphere {
             centre: vector(sphere.centre),
             radius: sphere.radius.into(),
             material: sphere.material,
+        }
+    }
+
+    /// A point of it: Archimedes' height is uniform.
+    pub(super) fn draw(&self, rng: &mut impl Rng) -> Drawn {
+        let z = 2.0 * uniform(rng) - 1.0;
+        let (y, x) = (TAU * uniform(rng)).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        let outside = DVec3::new(r * x, r * y, z);
+        Drawn {
+            point: self.centre + self.radius * outside,
+            outside,
+            weights: [0.0; 2],
+            area: 4.0 * PI * self.radius * self.radius,
         }
     }
 

@@ -3,10 +3,22 @@
 use super::carried::Carried;
 use super::random::uniform;
 use super::sphere::{Sphere, copies};
-use super::surface::{Point, number, presence};
+use super::surface::{Point, colour, number, presence};
+use super::vector;
 use crate::scene::{Material, Scene, Textured};
 use glam::DVec3;
 use rand_pcg::rand_core::Rng;
+
+/// A point drawn on a surface, evenly.
+pub(super) struct Drawn {
+    pub(super) point: DVec3,
+    /// Unit normal of the front there.
+    pub(super) outside: DVec3,
+    /// Of a triangle; see [`Hit::weights`].
+    pub(super) weights: [f64; 2],
+    /// Area of the whole surface.
+    pub(super) area: f64,
+}
 
 /// The surfaces of a scene.
 #[derive(Debug)]
@@ -121,6 +133,56 @@ impl<'a> World<'a> {
                 let sphere = &self.spheres[hit.surface - self.triangles.len()];
                 Point::on_sphere(self.scene, outside, sphere.radius, material)
             }
+        }
+    }
+
+    /// The surfaces that emit.
+    pub(super) fn emitters(&self) -> Vec<usize> {
+        let triangles = self.triangles.iter().map(|t| t.material);
+        let materials = triangles.chain(self.spheres.iter().map(|s| s.material));
+        let emits = |m: u32| self.scene.materials[m as usize].emits();
+        let emitting = materials.enumerate().filter(|(_, m)| emits(*m));
+        emitting.map(|(i, _)| i).collect()
+    }
+
+    /// A point of a surface.
+    pub(super) fn point_on(&self, surface: usize, rng: &mut impl Rng) -> Drawn {
+        match self.triangles.get(surface) {
+            Some(triangle) => {
+                // Half of the square is folded onto the triangle.
+                let (mut u, mut v) = (uniform(rng), uniform(rng));
+                if u + v > 1.0 {
+                    (u, v) = (1.0 - u, 1.0 - v);
+                }
+                let [a, b] = triangle.edges;
+                Drawn {
+                    point: triangle.corner + u * a + v * b,
+                    outside: triangle.normal,
+                    weights: [u, v],
+                    area: 0.5 * a.cross(b).length(),
+                }
+            }
+            None => self.spheres[surface - self.triangles.len()].draw(rng),
+        }
+    }
+
+    /// What a surface emits to one side at a point.
+    pub(super) fn emitted(&self, surface: usize, weights: [f64; 2], front: bool) -> DVec3 {
+        let material = match self.triangles.get(surface) {
+            Some(triangle) => triangle.material,
+            None => self.spheres[surface - self.triangles.len()].material,
+        };
+        let material = &self.scene.materials[material as usize];
+        if !front && !material.two_sided {
+            return DVec3::ZERO;
+        }
+        // Spheres have no images of emission.
+        match self.triangles.get(surface) {
+            Some(triangle) => {
+                let uv = triangle.carried.uv(weights);
+                colour(self.scene, &material.emission, uv)
+            }
+            None => vector(material.emission.factor),
         }
     }
 

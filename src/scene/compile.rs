@@ -12,6 +12,8 @@ use super::light::Sky;
 use super::lights;
 use super::load::GeometryFile;
 use super::material::Material;
+use super::media;
+use super::motion::{self, Motion};
 use super::placed::Placed;
 use super::shapes::Shapes;
 use super::surfaces::{Surfaces, bind};
@@ -25,9 +27,12 @@ use std::path::Path;
 /// What can be told to be wrong before the geometry is there, shapes apart.
 pub(super) fn check(file: &SceneFile, said: &Description) -> Result<(), SceneError> {
     lights::check(file, said)?;
+    media::media(file, said)?;
+    media::fog(file, said)?;
     match &said.camera {
         Some(camera) => {
             let film = film(Some(&said.film));
+            motion::compile(file, camera.get_ref().motion.as_ref())?;
             camera::compile(camera.get_ref(), camera.span(), film, file).map(|_| ())
         }
         None => Ok(()),
@@ -75,9 +80,12 @@ pub(super) fn native(
         name: said.name.clone().unwrap_or_else(|| stem(path)),
         hash: [0; 32],
         camera,
+        camera_motion: camera_motion(file, said)?,
         film,
         sky,
         lights,
+        media: media::media(file, said)?,
+        fog: media::fog(file, said)?,
         settings: settings(&said.settings),
         materials: shapes.materials,
         textures: store.finish(),
@@ -118,9 +126,12 @@ pub(super) fn bare(
         name: stem(path),
         hash: [0; 32],
         camera,
+        camera_motion: None,
         film,
         sky: None,
         lights: Vec::new(),
+        media: Vec::new(),
+        fog: None,
         settings: Settings::default(),
         materials,
         textures: store.finish(),
@@ -134,6 +145,12 @@ pub(super) fn bare(
         scene.sky = Some(SOFT_SKY);
     }
     Ok(finish(scene))
+}
+
+/// How the camera moves.
+fn camera_motion(file: &SceneFile, said: &Description) -> Result<Option<Motion>, SceneError> {
+    let camera = said.camera.as_ref().map(|c| c.get_ref());
+    motion::compile(file, camera.and_then(|c| c.motion.as_ref()))
 }
 
 /// What both kinds of scene end with: the hash, and warnings about the whole.

@@ -2,6 +2,8 @@
 
 use super::light::{Light, Sky};
 use super::material::Material;
+use super::medium::{Fog, Medium};
+use super::motion::Motion;
 use super::placed::{Instance, Object, Sphere};
 use super::texture::Texture;
 use crate::settings::Settings;
@@ -16,6 +18,8 @@ pub struct Scene {
     pub hash: [u8; 32],
     /// The camera.
     pub camera: Camera,
+    /// How it moves while the shutter is open, if it does, about where it stands when that opens.
+    pub camera_motion: Option<Motion>,
     /// The film.
     pub film: FilmSpec,
     /// All triangles but those of objects.
@@ -35,6 +39,10 @@ pub struct Scene {
     pub sky: Option<Sky>,
     /// Lights that are no surfaces.
     pub lights: Vec<Light>,
+    /// Media, whether anything is filled with them or not.
+    pub media: Vec<Medium>,
+    /// What fills the space outside of all glass, if anything does.
+    pub fog: Option<Fog>,
     /// Settings of the scene's file over the defaults.
     pub settings: Settings,
     /// Fallbacks taken while loading, each once, in the order met.

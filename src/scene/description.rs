@@ -4,10 +4,10 @@
 use super::compiled::Filter;
 use super::import::{Counts, Format};
 use super::surfaces::Material;
-use super::transform::Transform;
+use super::transform::{Rotation, Transform};
 use super::values::{
-    Angle, Count, FieldOfView, Finite, Natural, NonNegative, OneOrThree, Pixels, Positive, Radius,
-    Turbidity, Unit,
+    Angle, Count, FieldOfView, Finite, MeanCosine, Natural, NonNegative, OneOrThree, Pixels,
+    Positive, Radius, Turbidity, Unit,
 };
 use crate::settings::{Integrator, LightSelection, Preset, Sampler, Strategy};
 use serde::Deserialize;
@@ -25,6 +25,8 @@ pub(super) struct Description {
     pub(super) settings: Settings,
     pub(super) sky: Option<Spanned<Sky>>,
     pub(super) lights: Vec<Spanned<Light>>,
+    pub(super) media: BTreeMap<String, Spanned<Medium>>,
+    pub(super) fog: Option<Spanned<Fog>>,
     pub(super) materials: BTreeMap<String, Spanned<Material>>,
     pub(super) shapes: Vec<Spanned<Shape>>,
     pub(super) objects: BTreeMap<String, Object>,
@@ -37,6 +39,35 @@ impl Description {
         let in_objects = self.objects.values().flat_map(|object| &object.shapes);
         self.shapes.iter().chain(in_objects)
     }
+}
+
+/// `[media.NAME]`
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[serde(expecting = "a table such as { scattering = 0.1 }")]
+pub(super) struct Medium {
+    pub(super) absorption: Option<OneOrThree<NonNegative>>,
+    pub(super) scattering: Option<OneOrThree<NonNegative>>,
+    pub(super) g: Option<MeanCosine>,
+}
+
+/// `[fog]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[serde(expecting = "a table such as { medium = \"mist\" }")]
+pub(super) struct Fog {
+    pub(super) medium: Spanned<String>,
+    #[serde(default)]
+    pub(super) within: Option<Spanned<Extents>>,
+}
+
+/// An axis-aligned box.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[serde(expecting = "a table of `min` and `max`")]
+pub(super) struct Extents {
+    pub(super) min: [Finite; 3],
+    pub(super) max: [Finite; 3],
 }
 
 /// `[objects.NAME]`
@@ -56,6 +87,16 @@ pub(super) struct Instance {
     pub(super) material: Option<Spanned<String>>,
     pub(super) transform: Option<Spanned<Transform>>,
     pub(super) scatter: Option<Scatter>,
+    pub(super) motion: Option<Spanned<Motion>>,
+}
+
+/// What moves while the shutter is open.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[serde(expecting = "a table such as { translate = [1, 0, 0] }")]
+pub(super) struct Motion {
+    pub(super) translate: Option<[Finite; 3]>,
+    pub(super) rotate: Option<Spanned<Rotation>>,
 }
 
 impl Instance {
@@ -94,6 +135,7 @@ pub(super) struct Camera {
     pub(super) focus: Option<Spanned<Positive>>,
     pub(super) focus_at: Option<Spanned<[Finite; 3]>>,
     pub(super) width: Option<Spanned<Positive>>,
+    pub(super) motion: Option<Spanned<Motion>>,
 }
 
 /// How a camera projects.

@@ -34,6 +34,9 @@ pub(super) fn of(scene: &Scene) -> [u8; 32] {
         }
         Projection::Panorama => table(b"equirectangular"),
     }
+    if let Some(motion) = &scene.camera_motion {
+        table(format!("{motion:?}").as_bytes());
+    }
     let filter = match scene.film.filter {
         Filter::Box => 0,
         Filter::Tent => 1,
@@ -73,6 +76,9 @@ pub(super) fn of(scene: &Scene) -> [u8; 32] {
             table(bytemuck::cast_slice(&instance.placement.origin));
             let worn = instance.material.map_or(0, |m| u64::from(m) + 1);
             table(bytemuck::cast_slice(&[u64::from(instance.object), worn]));
+            if let Some(motion) = &instance.motion {
+                table(format!("{motion:?}").as_bytes());
+            }
         }
     }
     for material in &scene.materials {
@@ -102,6 +108,14 @@ pub(super) fn of(scene: &Scene) -> [u8; 32] {
             table(bytemuck::cast_slice(&map.frame));
             table(bytemuck::cast_slice(&map.texels));
         }
+    }
+    if scene.fog.is_some() || !scene.media.is_empty() {
+        table(b"media");
+        for m in &scene.media {
+            table(bytemuck::cast_slice(&[m.absorption, m.scattering]));
+            table(&m.g.to_le_bytes());
+        }
+        table(format!("{:?}", scene.fog).as_bytes());
     }
     for light in &scene.lights {
         match light.kind {

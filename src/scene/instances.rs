@@ -5,6 +5,7 @@ use super::degrees;
 use super::description::{self, Description, Scatter};
 use super::error::SceneError;
 use super::material::Material;
+use super::motion;
 use super::placed::{Instance, Object, Placement};
 use super::shapes::Shapes;
 use super::toml::suggest;
@@ -40,6 +41,7 @@ impl Shapes<'_> {
                 Placement::new(map).map(|_| ()).map_err(wrong)
             };
             place(&map)?;
+            motion::compile(self.file, instance.motion.as_ref())?;
             if let Some(name) = &instance.material {
                 self.lookup(name)?;
             }
@@ -140,6 +142,7 @@ impl Shapes<'_> {
                     u32::MAX - 1
                 )));
             }
+            let motion = motion::compile(self.file, instance.motion.as_ref())?;
             let map = self.placement(instance.transform.as_ref())?;
             let copy = |map: DAffine3| {
                 let placement = Placement::new(&map);
@@ -148,6 +151,7 @@ impl Shapes<'_> {
                     object: index as u32,
                     placement,
                     material,
+                    motion,
                 })
             };
             match &instance.scatter {

@@ -85,7 +85,8 @@ impl Source {
         let file = SceneFile::read(path)?;
         let said = file.parse()?;
         let mut files: Vec<GeometryFile> = Vec::new();
-        let surfaces = surfaces::compile(&file, &said.materials)?;
+        let media: Vec<&str> = said.media.keys().map(String::as_str).collect();
+        let surfaces = surfaces::compile(&file, &said.materials, &media)?;
         let shapes = Shapes::new(&file, &surfaces.materials, &[], Vec::new());
         shapes.check_instances(&said)?;
         for shape in said.all_shapes() {

@@ -2,6 +2,7 @@
 //! scene format (`docs/scene-format.md`), with references to textures by index.
 
 use super::texture::Texture;
+pub use huygens_kernels::dispersion::Cauchy;
 pub use huygens_kernels::texture::{Channel, TexelFilter, TextureUse, Wrap};
 
 /// A number or colour that may vary over a surface: `factor` times the texel, component by
@@ -138,8 +139,8 @@ pub enum Bsdf {
 /// See [`Bsdf::Dielectric`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Dielectric {
-    /// Index of refraction of the inside over that of the outside, > 0; at the sodium D line
-    /// (589.3 nm) where it varies.
+    /// Index of refraction of the inside over that of the outside, > 0; at the d line (587.56 nm) where
+    /// it varies.
     pub ior: f32,
     /// In 0..=1.
     pub roughness: Textured<f32>,
@@ -149,11 +150,10 @@ pub struct Dielectric {
     pub reflection_tint: Textured<[f32; 3]>,
     /// What transmitted light is multiplied with at each passage, each channel in 0..=1.
     pub transmission_tint: Textured<[f32; 3]>,
-    /// Abbe number, > 0: how little `ior` varies over the spectrum, `(n_D - 1) / (n_F - n_C)`. None:
-    /// not at all.
-    pub abbe: Option<f32>,
-    /// Name of the medium inside.
-    pub interior: Option<String>,
+    /// How the index varies over the spectrum. None: not at all.
+    pub dispersion: Option<Cauchy>,
+    /// Index of the medium inside.
+    pub interior: Option<u32>,
 }
 
 /// See [`Bsdf::Principled`]. The members are those of glTF 2.0 and the extensions KHR_materials_ior,
@@ -216,9 +216,18 @@ impl Default for Dielectric {
             thin: false,
             reflection_tint: [1.0; 3].into(),
             transmission_tint: [1.0; 3].into(),
-            abbe: None,
+            dispersion: None,
             interior: None,
         }
+    }
+}
+
+impl Dielectric {
+    /// Whether its index varies over the spectrum, and matters: what passes a pane is not bent, so
+    /// there is nothing to tell wavelengths apart by but a trace in what is reflected.
+    #[must_use]
+    pub fn disperses(&self) -> bool {
+        self.dispersion.is_some() && !self.thin
     }
 }
 

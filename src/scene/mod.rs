@@ -19,6 +19,9 @@ mod light;
 mod lights;
 mod load;
 pub mod material;
+mod media;
+mod medium;
+pub(crate) mod motion;
 mod placed;
 mod projection;
 mod shapes;
@@ -37,6 +40,8 @@ pub(crate) use light::row_cosine;
 pub use light::{Environment, Light, LightKind, Sky, Spot};
 pub use load::{Parsed, Source};
 pub use material::{Bsdf, Material, Textured};
+pub use medium::{Fog, Medium};
+pub use motion::Motion;
 pub use placed::{Instance, Object, Placement, Sphere};
 pub use texture::Texture;
 

@@ -1,6 +1,7 @@
 //! What a scene holds besides the triangles of its world: spheres, and copies of objects.
 
 use super::compiled::{Mesh, Scene};
+use super::motion::Motion;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// A sphere in world space.
@@ -36,10 +37,12 @@ pub struct Object {
 pub struct Instance {
     /// Index of the object.
     pub object: u32,
-    /// Where it stands.
+    /// Where it stands when the shutter opens.
     pub placement: Placement,
     /// The material that all of it wears instead of the object's own; emits nothing.
     pub material: Option<u32>,
+    /// How it moves from there while the shutter is open, if it does: it turns about its origin.
+    pub motion: Option<Motion>,
 }
 
 /// An affine map from an object's space to the world's, as rays see it: through its inverse, rounded

@@ -28,9 +28,17 @@ pub(super) struct Step {
 /// A right-handed rotation about an axis through the origin.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Rotation {
+pub(super) struct Rotation {
     axis: [Finite; 3],
     degrees: Finite,
+}
+
+impl Rotation {
+    /// Its axis, a unit vector, and its angle in degrees.
+    pub(super) fn axis(&self) -> Result<(DVec3, f64), String> {
+        let axis = direction(vector(self.axis)).ok_or("the axis is zero, expected a direction")?;
+        Ok((axis, self.degrees.0))
+    }
 }
 
 pub(super) fn vector(v: [Finite; 3]) -> DVec3 {

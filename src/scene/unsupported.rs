@@ -3,6 +3,7 @@
 
 use super::compiled::Scene;
 use super::material::{Bsdf, Material};
+use crate::effects::polished;
 
 impl Scene {
     /// Why the scene cannot be rendered as it is meant, if so: what the first surface to blame asks
@@ -40,7 +41,9 @@ impl Scene {
 /// What a material has that the reference tracer does not know.
 fn unknown(material: &Material) -> Option<&'static str> {
     match &material.bsdf {
-        Bsdf::Dielectric(glass) if glass.abbe.is_some() => Some("an Abbe number"),
+        Bsdf::Dielectric(glass) if glass.disperses() && !polished(&glass.roughness) => {
+            Some("dispersion and roughness")
+        }
         Bsdf::Dielectric(glass) if glass.interior.is_some() => Some("a medium inside"),
         Bsdf::Conductor { roughness, .. } if roughness.texture.is_some() => material
             .compensation

@@ -81,6 +81,12 @@ number!(
     Turbidity, "a number from 2 to 10", |x| (2.0..=10.0).contains(&x)
 );
 
+number!(
+    /// The mean cosine of a phase function: within what kernels tell apart of a peak
+    /// (`phase::G_LIMIT`).
+    MeanCosine, "a number from -0.999 to 0.999", |x| x.abs() <= 0.999
+);
+
 /// Declares a type of whole number within u32.
 macro_rules! whole {
     ($(#[$doc:meta])* $name:ident, $expected:literal, $range:expr) => {

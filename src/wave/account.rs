@@ -18,11 +18,14 @@ use std::time::Instant;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stage {
     Generate,
+    Shutter,
     Intersect,
+    Travel,
     Sort,
     Sky,
     Emission,
     Branch,
+    Disperse,
     Interact,
     Texture,
     Light,
@@ -34,17 +37,20 @@ pub(crate) enum Stage {
 }
 
 impl Stage {
-    const COUNT: usize = 13 + Shader::ALL.len();
+    const COUNT: usize = 16 + Shader::ALL.len();
 
     /// All stages.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         let before = [
             Self::Generate,
+            Self::Shutter,
             Self::Intersect,
+            Self::Travel,
             Self::Sort,
             Self::Sky,
             Self::Emission,
             Self::Branch,
+            Self::Disperse,
             Self::Interact,
             Self::Texture,
             Self::Light,
@@ -62,15 +68,18 @@ impl Stage {
     fn index(self) -> usize {
         match self {
             Self::Generate => 0,
-            Self::Intersect => 1,
-            Self::Sort => 2,
-            Self::Sky => 3,
-            Self::Emission => 4,
-            Self::Branch => 5,
-            Self::Interact => 6,
-            Self::Texture => 7,
-            Self::Light => 8,
-            Self::Scatter(shader) => 9 + shader as usize,
+            Self::Shutter => 1,
+            Self::Intersect => 2,
+            Self::Travel => 3,
+            Self::Sort => 4,
+            Self::Sky => 5,
+            Self::Emission => 6,
+            Self::Branch => 7,
+            Self::Disperse => 8,
+            Self::Interact => 9,
+            Self::Texture => 10,
+            Self::Light => 11,
+            Self::Scatter(shader) => 12 + shader as usize,
             Self::Vary => Self::COUNT - 4,
             Self::Occlude => Self::COUNT - 3,
             Self::Roulette => Self::COUNT - 2,
@@ -81,11 +90,14 @@ impl Stage {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Generate => "generate",
+            Self::Shutter => "shutter",
             Self::Intersect => "intersect",
+            Self::Travel => "travel",
             Self::Sort => "sort",
             Self::Sky => "shade: sky",
             Self::Emission => "shade: emission",
             Self::Branch => "branch",
+            Self::Disperse => "disperse",
             Self::Interact => "interact",
             Self::Texture => "texture",
             Self::Light => "sample lights",

@@ -15,6 +15,7 @@
 //! added to by one chain of events, in their order, whatever is processed first; and a sample is the
 //! sum of its slots, in theirs.
 
+use super::extras::{Along, Carried, Extras};
 use super::plan::QueuePlan;
 use super::queue::Queue;
 use super::sort::Lists;
@@ -30,12 +31,14 @@ const SLOTS: usize = 1 << 18;
 pub(crate) struct Met<'a> {
     pub(crate) paths: &'a mut Queue<PathsMut<'static>>,
     pub(crate) hits: &'a mut Queue<PathHitsMut<'static>>,
+    pub(crate) extras: &'a mut Extras,
 }
 
 impl Met<'_> {
     fn clear(&mut self) {
         self.paths.set_len(0);
         self.hits.set_len(0);
+        self.extras.clear();
     }
 }
 
@@ -43,6 +46,7 @@ impl Met<'_> {
 struct Level {
     paths: Queue<PathsMut<'static>>,
     hits: Queue<PathHitsMut<'static>>,
+    extras: Extras,
     /// Branches of each of them.
     factor: u32,
     /// Slots of each branch.
@@ -65,7 +69,7 @@ pub(crate) struct Branches {
 
 impl Branches {
     /// For waves of `capacity` paths that branch by these factors.
-    pub(crate) fn new(factors: &[u32], capacity: usize) -> Self {
+    pub(crate) fn new(factors: &[u32], capacity: usize, carried: Carried) -> Self {
         let all = leaves(factors);
         let mut slots = all;
         let level = |factor: u32| {
@@ -73,6 +77,7 @@ impl Branches {
             Level {
                 paths: Queue::new(capacity),
                 hits: Queue::new(capacity),
+                extras: Extras::new(carried, capacity, Along::Waiting),
                 factor,
                 slots,
                 next: 0,
@@ -88,11 +93,12 @@ impl Branches {
 
     /// Its queues, as they are.
     pub(crate) fn queues(&self) -> impl Iterator<Item = QueuePlan> {
-        let queues = self.levels.iter().flat_map(|level| {
+        self.levels.iter().flat_map(|level| {
             let paths = QueuePlan::of("waiting paths", &level.paths);
-            [paths, QueuePlan::of("waiting hits", &level.hits)]
-        });
-        queues.flatten()
+            let hits = QueuePlan::of("waiting hits", &level.hits);
+            let extras = level.extras.queues();
+            paths.into_iter().chain(hits).chain(extras)
+        })
     }
 
     /// Whether any path waits.
@@ -126,9 +132,11 @@ impl Branches {
             assert!(level.is_empty(), "a level is given paths when it has none");
             level.paths.set_len(0);
             level.hits.set_len(0);
+            level.extras.clear();
             (level.next, level.taken) = (0, 0);
             level.paths.append_rows(met.paths, &self.rows);
             level.hits.append_rows(met.hits, &self.rows);
+            level.extras.append_rows(met.extras, &self.rows);
         }
     }
 
@@ -188,6 +196,7 @@ impl Level {
         }
         met.paths.append_rows(&self.paths, rows);
         met.hits.append_rows(&self.hits, rows);
+        met.extras.append_rows(&self.extras, rows);
         if self.factor == 1 {
             return;
         }

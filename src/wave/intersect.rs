@@ -10,6 +10,7 @@ use super::queue::Queue;
 use crate::film::SampleBuffer;
 use crate::geometry::Geometry;
 use huygens_kernels::emission::unoccluded;
+use huygens_kernels::levels::Everything;
 use huygens_kernels::opacity::{Opacities, There};
 use huygens_kernels::queues::{MARKS, OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
 use huygens_kernels::rays::{Hits, Rays, Segments, untraceable};
@@ -20,6 +21,8 @@ pub(crate) struct Obstacles<'a> {
     pub(crate) geometry: &'a Geometry,
     /// Where some surfaces are not wholly there.
     pub(crate) opacities: Option<&'a Opacities<'a>>,
+    /// The rays' moments, where something moves.
+    pub(crate) times: Option<&'a [f32]>,
 }
 
 /// Ends of the words that name a path's rays for partial opacity, beside their bounce: none that
@@ -37,6 +40,7 @@ pub(crate) fn intersect(
     hits: &mut Queue<PathHitsMut<'static>>,
     mut lost: impl FnMut(u32),
 ) {
+    let geometry = obstacles.geometry;
     let n = paths.len();
     let mut places = Vec::new();
     let view = paths.view();
@@ -64,14 +68,18 @@ pub(crate) fn intersect(
         u: out.u,
         v: out.v,
     };
-    match obstacles.opacities {
-        None => obstacles.geometry.closest(rays, found),
-        Some(opacities) => {
-            let which = |i: usize| !((view.bounces[i] & !MARKS) << 8 | CLOSEST);
-            let name = |i: usize| [view.pixel[i], view.sample[i], which(i)];
-            obstacles
-                .geometry
-                .closest_where(&There { opacities, name }, rays, found);
+    let name = |i: usize| {
+        let which = !((view.bounces[i] & !MARKS) << 8 | CLOSEST);
+        [view.pixel[i], view.sample[i], which]
+    };
+    match (obstacles.opacities, obstacles.times) {
+        (None, None) => geometry.closest(rays, found),
+        (None, Some(times)) => geometry.closest_at(&Everything, times, rays, found),
+        (Some(opacities), None) => {
+            geometry.closest_where(&There { opacities, name }, rays, found);
+        }
+        (Some(opacities), Some(times)) => {
+            geometry.closest_at(&There { opacities, name }, times, rays, found);
         }
     }
     hits.set_len(n);
@@ -88,6 +96,7 @@ pub(crate) fn occlude(
     mut lost: impl FnMut(u32),
     dropped: impl FnMut(u32),
 ) {
+    let geometry = obstacles.geometry;
     let n = shadows.len();
     let mut places = Vec::new();
     let view = shadows.view();
@@ -108,16 +117,18 @@ pub(crate) fn occlude(
         reaches: view.reaches,
     };
     let answers = occlusion.view_mut().occluded;
-    match obstacles.opacities {
-        None => obstacles.geometry.occluded(segments, answers),
-        Some(opacities) => {
-            let name = |i: usize| {
-                let (x, y, sample) = slots.sample_of(view.slot[i]);
-                [x | y << 16, sample, !(view.bounces[i] << 8 | OCCLUSION)]
-            };
-            obstacles
-                .geometry
-                .occluded_where(&There { opacities, name }, segments, answers);
+    let name = |i: usize| {
+        let (x, y, sample) = slots.sample_of(view.slot[i]);
+        [x | y << 16, sample, !(view.bounces[i] << 8 | OCCLUSION)]
+    };
+    match (obstacles.opacities, obstacles.times) {
+        (None, None) => geometry.occluded(segments, answers),
+        (None, Some(times)) => geometry.occluded_at(&Everything, times, segments, answers),
+        (Some(opacities), None) => {
+            geometry.occluded_where(&There { opacities, name }, segments, answers);
+        }
+        (Some(opacities), Some(times)) => {
+            geometry.occluded_at(&There { opacities, name }, times, segments, answers);
         }
     }
     occlusion.set_len(n);
@@ -168,6 +179,7 @@ mod tests {
             Obstacles {
                 geometry: &Geometry::default(),
                 opacities: None,
+                times: None,
             },
             Slots::new(&job, 0..1, 1),
             &mut shadows,

@@ -42,7 +42,8 @@ impl LightTables {
     ///
     /// Powers are `pi * area * sides * luminance` of a triangle or sphere, the luminance of the flux of lights of
     /// no area, `4 pi^2 r^2 * mean luminance` of the sky over a scene of bounding radius `r` (the
-    /// flux through that sphere; *PBRT* 4th ed., 12.5).
+    /// flux through that sphere; *PBRT* 4th ed., 12.5). Within a kind of light they are selected by power;
+    /// the kinds share the selection as [`shared`] says.
     pub(crate) fn new(scene: &Scene, settings: &Settings) -> Self {
         let mut tables = Self {
             sphere_selection: vec![0.0; scene.spheres.len()],
@@ -122,13 +123,22 @@ impl LightTables {
             }];
         }
         near.append(&mut far);
+        // At a finite distance, the sky, other distant ones.
+        let kind = |l: &Powered| match l.source {
+            SKY => 1,
+            TREE => 0,
+            PUNCTUAL.. => usize::from(tables.punctual[(l.source & !PUNCTUAL) as usize].distant) * 2,
+            _ => 0,
+        };
+        let factors = shared(near.iter().map(|l| (kind(l), l.power)));
         let weigh = |l: &Powered| match selection {
             LightSelection::Uniform => 1.0,
-            _ => l.power.max(f64::MIN_POSITIVE),
+            _ => (factors[kind(l)] * l.power).max(f64::MIN_POSITIVE),
         };
         let weights: Vec<f64> = near.iter().map(weigh).collect();
         let total: f64 = weights.iter().sum();
-        tables.area_pdf = exitance.iter().map(|&e| ratio(e, total)).collect();
+        let area_pdf = |&e: &f64| ratio(factors[0] * e, total);
+        tables.area_pdf = exitance.iter().map(area_pdf).collect();
         let by_triangle = selection == LightSelection::Uniform || !varied.is_empty();
         if by_triangle && selection != LightSelection::Tree {
             let pdf = |i| {
@@ -193,6 +203,24 @@ impl LightTables {
     }
 }
 
+/// From lights as kind and power, what to multiply the powers of each kind with, so that kinds are
+/// selected by the roots of their powers; the sum stays.
+///
+/// Power is what a light sends out or into the scene, not what arrives at one place: between a lamp and
+/// a sky, the two may be orders of magnitude apart, and walls know nothing of either. The root is off by
+/// half of those orders, whichever way they go, so that neither kind starves (measured in
+/// docs/performance.md).
+fn shared(lights: impl Iterator<Item = (usize, f64)>) -> [f64; 3] {
+    let mut power = [0.0f64; 3];
+    lights.for_each(|(kind, p)| power[kind] += p);
+    let total: f64 = power.iter().sum();
+    let roots: f64 = power.iter().map(|&p| (p / total).sqrt()).sum();
+    power.map(|p| match (p / total).sqrt() {
+        root if root > 0.0 => 1.0 / (root * roots),
+        _ => 1.0,
+    })
+}
+
 /// A light of no area as kernels see it, without its selection.
 fn punctual(kind: &LightKind) -> Punctual {
     match *kind {
@@ -241,4 +269,31 @@ fn punctual(kind: &LightKind) -> Punctual {
 /// `a / total`, 0 where there is no total.
 fn ratio(a: f64, total: f64) -> f32 {
     if total > 0.0 { (a / total) as f32 } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_share_by_the_roots_of_their_powers() {
+        // 1 W of lamps in two, 10,000 W of sky, no sun.
+        let lights = [(0, 0.25), (0, 0.75), (1, 1e4)];
+        let factors = shared(lights.into_iter());
+        let weights = lights.map(|(kind, power)| factors[kind] * power);
+        let total: f64 = weights.iter().sum();
+        // Roots of 1 and 10,000; sums of a few roundings each.
+        let close = |a: f64, b: f64| (a / b - 1.0).abs() < 16.0 * f64::EPSILON;
+        assert!(close(total, 10_001.0), "{total}");
+        assert!(close(weights[0] / total, 0.25 / 101.0), "{weights:?}");
+        assert!(close(weights[1] / total, 0.75 / 101.0), "{weights:?}");
+        assert!(close(weights[2] / total, 100.0 / 101.0), "{weights:?}");
+    }
+
+    /// Scenes of one kind of light are as they were, to the bit.
+    #[test]
+    fn one_kind_has_its_powers_to_itself() {
+        assert_eq!(shared([(1, 0.3), (1, 0.4)].into_iter())[1], 1.0);
+        assert_eq!(shared([].into_iter()), [1.0; 3]);
+    }
 }

@@ -9,16 +9,19 @@
 mod account;
 mod branch;
 mod camera;
+mod cast;
 mod control;
 mod counters;
 mod emitted;
 mod environment;
+mod extras;
 mod generate;
 mod images;
 mod instruments;
 mod intersect;
 mod light_tree;
 mod lights;
+mod media;
 mod mixtures;
 mod parameters;
 mod plan;
@@ -30,6 +33,7 @@ mod sampling;
 mod scheduler;
 mod setup;
 mod shade;
+mod shutter;
 mod sort;
 mod stages;
 mod stats;
@@ -48,11 +52,13 @@ pub use stats::{BounceStats, Dropped, RenderStats, StageStats};
 use crate::film::{Job, SampleBuffer};
 use account::Account;
 use branch::{Branches, Slots};
+use extras::{Along, Extras};
 use generate::Source;
 use huygens_kernels::compact::Kept;
 use huygens_kernels::queues::{OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
 use queue::Queue;
 use setup::Setup;
+use shutter::ShadowTimes;
 use sort::Lists;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -62,6 +68,8 @@ use surfaces::Surfaces;
 struct Wave<'a> {
     setup: &'a Setup<'a>,
     paths: Queue<PathsMut<'static>>,
+    /// What paths carry besides, where a scene calls for it.
+    extras: Extras,
     hits: Queue<PathHitsMut<'static>>,
     lists: Lists,
     /// Where some surfaces are more than plain diffuse ones.
@@ -69,9 +77,16 @@ struct Wave<'a> {
     /// Where paths branch.
     branches: Option<Branches>,
     scattered: Queue<PathsMut<'static>>,
+    /// The same for `scattered`.
+    scattered_extras: Extras,
     shadows: Queue<ShadowsMut<'static>>,
     occlusion: Queue<OcclusionMut<'static>>,
     kept: Vec<Kept>,
+    /// The moments of occlusion rays, where something moves.
+    shadow_times: Option<ShadowTimes>,
+    /// Scratch space: which row cast an occlusion ray, where there are media or something
+    /// moves.
+    rows: Vec<u32>,
     account: Account,
     rays: u64,
 }
@@ -84,14 +99,18 @@ impl<'a> Wave<'a> {
         Self {
             setup,
             paths: Queue::new(capacity),
+            extras: Extras::new(setup.carried, capacity, Along::Paths),
             hits: Queue::new(capacity),
             lists: Lists::new(setup),
             surfaces: setup.surfaces(),
             branches: setup.branches(),
             scattered: Queue::new(capacity),
+            scattered_extras: Extras::new(setup.carried, capacity, Along::Scattered),
             shadows: Queue::new(shadows),
             occlusion: Queue::new(shadows),
             kept: Vec::with_capacity(capacity),
+            shadow_times: setup.carried.times.then(|| ShadowTimes::new(shadows)),
+            rows: Vec::new(),
             account: Account::new(instruments, epoch),
             rays: 0,
         }
@@ -101,12 +120,15 @@ impl<'a> Wave<'a> {
     fn queues(&self) -> Vec<QueuePlan> {
         let mut queues = Vec::new();
         queues.extend(QueuePlan::of("paths", &self.paths));
+        queues.extend(self.extras.queues());
         queues.extend(QueuePlan::of("hits", &self.hits));
         queues.extend(self.lists.queues(self.setup));
         queues.extend(self.branches.iter().flat_map(Branches::queues));
         queues.extend(self.surfaces.iter().flat_map(Surfaces::queues));
         queues.extend(QueuePlan::of("scattered", &self.scattered));
+        queues.extend(self.scattered_extras.queues());
         queues.extend(QueuePlan::of("shadows", &self.shadows));
+        queues.extend(self.shadow_times.iter().filter_map(ShadowTimes::plan));
         queues.extend(QueuePlan::of("occlusion", &self.occlusion));
         queues
     }
@@ -127,9 +149,11 @@ impl Wave<'_> {
             }
             self.rays += self.paths.len() as u64;
             self.intersect(slots);
+            self.travel();
             self.sort();
             self.emit(slots, samples);
             self.branch();
+            self.disperse();
             self.scatter(slots, samples);
             self.rays += self.shadows.len() as u64;
             self.occlude(slots, samples);

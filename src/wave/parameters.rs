@@ -5,6 +5,7 @@ use crate::scene::material::{Dielectric, Principled, TextureUse, Textured};
 use crate::scene::{Bsdf, Material};
 use huygens_kernels::bsdf::fresnel::conductor_mean;
 use huygens_kernels::images::Site;
+use huygens_kernels::scatter::kinds::CAUCHY_B;
 use huygens_kernels::scatter::texture::Layout;
 use huygens_kernels::tables::SLOTS;
 
@@ -56,6 +57,10 @@ impl Parameters {
             Bsdf::Dielectric(glass) => {
                 all.dielectric(glass);
                 all.plain(&[flag(material.compensation)]);
+                if let Some(cauchy) = glass.dispersion.filter(|_| !glass.thin) {
+                    (all.slots[0], all.slots[CAUCHY_B]) = (cauchy.a, cauchy.b);
+                    all.layout.slots = all.layout.slots.max(CAUCHY_B + 1);
+                }
             }
             Bsdf::Principled(p) => {
                 all.principled(p);

@@ -74,8 +74,10 @@ pub fn recorded<T>(
         wave.generate(&mut source, slots(job));
         assert!(wave.paths.room() == 0, "the job keeps the wave full");
         wave.intersect(slots(job));
+        wave.travel();
         wave.sort();
         wave.emit(slots(job), samples);
+        wave.disperse();
         wave.scatter(slots(job), samples);
         wave.occlude(slots(job), samples);
         if turn < turns {

@@ -9,8 +9,9 @@ use huygens_kernels::compact::Kept;
 use huygens_kernels::queues::PathsMut;
 use huygens_kernels::roulette::{Rules, roulette};
 
-/// Runs the stage. `kept` is scratch space for one entry a vector.
+/// Runs the stage; `signed` where throughput may be negative. `kept` is scratch space for one entry a vector.
 pub(crate) fn run(
+    signed: bool,
     rules: Rules,
     sampler: AnySampler,
     scattered: &mut Queue<PathsMut<'static>>,
@@ -20,8 +21,10 @@ pub(crate) fn run(
 ) {
     kept.clear();
     let n = scattered.len();
-    with_sampler!(sampler, sampler => {
-        roulette(n, &mut scattered.view_mut(), rules, sampler, kept, &mut dropped);
+    let mut all = scattered.view_mut();
+    with_sampler!(sampler, s => match signed {
+        true => roulette::<_, true>(n, &mut all, rules, s, kept, &mut dropped),
+        false => roulette::<_, false>(n, &mut all, rules, s, kept, &mut dropped),
     });
     paths.set_len(0);
     paths.append_kept(scattered, kept);

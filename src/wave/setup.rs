@@ -3,6 +3,7 @@
 use super::account::Stage;
 use super::branch::{self, Branches};
 use super::camera;
+use super::extras::Carried;
 use super::intersect::Obstacles;
 use super::mixtures::Mixtures;
 use super::parameters::Parameters;
@@ -16,6 +17,7 @@ use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::settings::{Integrator, Settings};
 use huygens_kernels::camera::Lens;
+use huygens_kernels::motion::CameraMotion;
 use huygens_kernels::opacity::Opacities;
 use huygens_kernels::roulette::{GAINS, Rules};
 use huygens_kernels::scatter::texture::Layout;
@@ -45,6 +47,12 @@ pub(crate) struct Setup<'a> {
     pub(crate) wanted: Wanted,
     pub(crate) rules: Rules,
     pub(crate) capacity: usize,
+    /// The list of paths that media scattered, if any do.
+    pub(crate) medium_list: Option<usize>,
+    /// How the camera moves, if it does.
+    pub(crate) camera_motion: Option<CameraMotion>,
+    /// What paths carry besides.
+    pub(crate) carried: Carried,
     /// Branches of a path, by scattering event; none of paths that never branch.
     pub(crate) split: Vec<u32>,
 }
@@ -76,8 +84,13 @@ impl<'a> Setup<'a> {
         if !program.is_transport() || branch::leaves(&split) == 1 {
             split.clear();
         }
-        let used = |s: &Shader| *s != Shader::Mix && effects.shaders.contains(s);
+        let used = |s: &Shader| match s {
+            Shader::Mix => false,
+            Shader::Medium => effects.scattering_media,
+            _ => effects.shaders.contains(s),
+        };
         let shaders: Vec<Shader> = Shader::ALL.into_iter().filter(used).collect();
+        let medium_list = shaders.iter().position(|s| *s == Shader::Medium);
         let textured = |s: &Shader| {
             let of = effects.textured.contains(s).then_some(s)?;
             let material = effects.shaders.iter().position(|t| t == of)?;
@@ -120,6 +133,12 @@ impl<'a> Setup<'a> {
                 last_ray: program.last_ray_is_of_use(),
             },
             capacity: settings.wave.max(1),
+            medium_list,
+            camera_motion: scene.camera_motion.map(|motion| CameraMotion {
+                motion,
+                pivot: scene.camera.origin,
+            }),
+            carried: Carried::new(effects),
             split,
         }
     }
@@ -137,7 +156,7 @@ impl Setup<'_> {
     /// Whether a stage can find work.
     pub(crate) fn runs(&self, stage: Stage) -> bool {
         let transport = self.program.is_transport();
-        let mut elaborate = self.shaders.iter().filter(|&&s| s != Shader::Plain);
+        let mut elaborate = self.shaders.iter().filter(|s| s.has_rows());
         match stage {
             Stage::Generate | Stage::Intersect | Stage::Sort | Stage::Film => true,
             Stage::Sky => self.wanted.sky,
@@ -149,15 +168,19 @@ impl Setup<'_> {
             Stage::Vary => self.varying_emission && self.program.samples_lights(),
             Stage::Occlude => self.casts_shadows(),
             Stage::Branch => !self.split.is_empty(),
+            Stage::Shutter => self.carried.times,
+            Stage::Travel => self.carried.media,
+            Stage::Disperse => self.carried.wavelengths,
             Stage::Roulette => transport,
         }
     }
 
-    /// What rays meet.
-    pub(crate) fn obstacles(&self) -> Obstacles<'_> {
+    /// What rays meet, at their `times` if something moves.
+    pub(crate) fn obstacles<'b>(&'b self, times: Option<&'b [f32]>) -> Obstacles<'b> {
         Obstacles {
             geometry: self.geometry,
             opacities: self.opacities.as_ref(),
+            times,
         }
     }
 
@@ -174,7 +197,7 @@ impl Setup<'_> {
     /// The queues for paths that wait to branch, if any do.
     pub(crate) fn branches(&self) -> Option<Branches> {
         self.runs(Stage::Branch)
-            .then(|| Branches::new(&self.split, self.capacity))
+            .then(|| Branches::new(&self.split, self.capacity, self.carried))
     }
 
     /// The queues for surfaces that are more than plain diffuse ones, if there are any.

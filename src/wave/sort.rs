@@ -10,6 +10,8 @@ use super::tally::{Tally, for_each_run};
 use huygens_kernels::bsdf;
 use huygens_kernels::cost::Cost;
 use huygens_kernels::lanes::LANES;
+use huygens_kernels::medium::IN_MEDIUM;
+use huygens_kernels::prefetch;
 use huygens_kernels::queues::{LAST_RAY, Listed, PathHits, Paths};
 use huygens_kernels::rays::NO_PRIMITIVE;
 
@@ -17,6 +19,9 @@ use huygens_kernels::rays::NO_PRIMITIVE;
 pub(crate) const READ: Cost = Cost::new(12, 0);
 /// Bytes an entry of a list.
 pub(crate) const WRITTEN: Cost = Cost::new(0, 4);
+
+/// How many paths ahead a triangle's material is asked for.
+const AHEAD: usize = 32;
 
 /// Indices into the path queue, with room for one vector of padding.
 pub(crate) struct IndexList {
@@ -55,7 +60,13 @@ impl IndexList {
             paths,
             hits,
             material: None,
+            times: None,
         }
+    }
+
+    /// The indices, padded to whole vectors by repetitions of the last one.
+    pub(crate) fn padded(&self) -> &[u32] {
+        &self.indices
     }
 
     /// The indices, without padding.
@@ -218,8 +229,26 @@ impl Lists {
         setup: &Setup,
         wanted: Wanted,
     ) {
+        match setup.medium_list {
+            None => self.sort_with::<false>(n, paths, hits, setup, wanted, 0),
+            Some(list) => self.sort_with::<true>(n, paths, hits, setup, wanted, list),
+        }
+    }
+
+    /// `MEDIA` where paths may have been scattered before they met anything: they go to list `medium`.
+    fn sort_with<const MEDIA: bool>(
+        &mut self,
+        n: usize,
+        paths: Paths,
+        hits: PathHits,
+        setup: &Setup,
+        wanted: Wanted,
+        medium: usize,
+    ) {
         let routes = &setup.routes;
         let triangles = &setup.tables.triangles;
+        let primitives = &hits.primitive[..n];
+        let far = routes.only.is_none() && prefetch::is_worth_it(triangles);
         self.all().for_each(IndexList::clear);
         for_each_run(&paths.bounces[..n], |bounce, run| {
             for list in self.all() {
@@ -227,8 +256,13 @@ impl Lists {
             }
             for i in run {
                 let light = !wanted.unsampled_only || paths.pdf[i] == bsdf::DELTA_PDF;
-                let primitive = hits.primitive[i];
-                if primitive == NO_PRIMITIVE {
+                let primitive = primitives[i];
+                if far && let Some(&later) = primitives.get(i + AHEAD) {
+                    prefetch::ask_for(triangles.material, later);
+                }
+                if MEDIA && primitive == IN_MEDIUM {
+                    self.scatter[medium].push_if(i, paths.bounces[i] & LAST_RAY == 0);
+                } else if primitive == NO_PRIMITIVE {
                     self.sky.push_if(i, wanted.sky && light);
                 } else {
                     let (material, mut route) = match routes.only {

@@ -3,20 +3,25 @@
 use super::account::Stage;
 use super::branch::{Met, Slots};
 use super::generate::Source;
+use super::media::{self, Gone};
+use super::sampling::with_sampler;
+use super::shutter::ShadowTimes;
 use super::sort::Wanted;
+use super::surfaces::Surfaces;
 use super::tally::Tally;
-use super::{Wave, intersect, roulette, shade, sort};
+use super::{Wave, cast, intersect, roulette, shade, sort};
 use crate::effects::Shader;
 use crate::film::SampleBuffer;
 use huygens_kernels::cost::{Cost, item};
 use huygens_kernels::emission::{SKY, SURFACE, UNOCCLUDED};
 use huygens_kernels::light::{VARIED, vary};
-use huygens_kernels::queues::{PathHitsMut, PathsMut};
+use huygens_kernels::queues::{Listed, PathHitsMut, PathsMut};
 use huygens_kernels::rays::{CLOSEST, OCCLUSION};
+use huygens_kernels::scatter::disperse::{DISPERSE, disperse};
 use huygens_kernels::scatter::interact::INTERACT;
 use huygens_kernels::scatter::light_up::LIGHT_UP;
 use huygens_kernels::scatter::texture::TEXTURE;
-use huygens_kernels::scatter::{Out, plain, respond};
+use huygens_kernels::scatter::{Out, medium, plain, respond};
 use huygens_kernels::{camera, roulette as roulette_kernel};
 
 impl Wave<'_> {
@@ -28,18 +33,20 @@ impl Wave<'_> {
         let setup = self.setup;
         let new = source.refill(&setup.lens, setup.sampler, &mut self.paths, slots);
         if new > 0 {
+            self.extras.start(self.paths.len() - new, new);
             let mut out = Tally::default();
             out.add(0, new);
             let cost = camera::COST * new;
             let nothing = Tally::default();
             self.account.book(Stage::Generate, &nothing, &out, cost);
+            self.open_shutter(new);
         }
     }
 
     pub(super) fn intersect(&mut self, slots: Slots) {
         let account = &mut self.account;
         intersect::intersect(
-            self.setup.obstacles(),
+            self.setup.obstacles(self.extras.times()),
             &mut self.paths,
             &mut self.hits,
             |slot| {
@@ -67,6 +74,7 @@ impl Wave<'_> {
         let (paths, hits) = (self.paths.view(), self.hits.view());
         let account = &mut self.account;
         let nothing = Tally::default();
+        let times = self.extras.times();
         let list = &self.lists.sky;
         if list.len() > 0 {
             shade::sky(program, list.of(paths, hits), tables, samples, |slot| {
@@ -76,7 +84,11 @@ impl Wave<'_> {
         }
         let list = &self.lists.emission;
         if list.len() > 0 {
-            shade::emission(program, list.of(paths, hits), tables, samples, |slot| {
+            let listed = Listed {
+                times,
+                ..list.of(paths, hits)
+            };
+            shade::emission(program, listed, tables, samples, |slot| {
                 account.drop_sample(Stage::Emission.name(), slots.sample_of(slot));
             });
             let cost = SURFACE * list.len();
@@ -95,6 +107,7 @@ impl Wave<'_> {
         let met = Met {
             paths: &mut self.paths,
             hits: &mut self.hits,
+            extras: &mut self.extras,
         };
         branches.exchange(&self.lists, met);
         let (paths, hits) = (self.paths.view(), self.hits.view());
@@ -107,12 +120,30 @@ impl Wave<'_> {
         account.book(Stage::Branch, &gone, &gone, cost);
     }
 
+    /// Gives a wavelength to the paths that meet dispersive surfaces.
+    pub(super) fn disperse(&mut self) {
+        let Some(mut wavelengths) = self.extras.wavelengths_mut() else {
+            return;
+        };
+        let mut paths = self.paths.view_mut();
+        let lists = self.setup.shaders.iter().zip(&self.lists.scatter);
+        for (_, list) in lists.filter(|(s, list)| s.disperses() && list.len() > 0) {
+            let (index, n) = (list.padded(), list.len());
+            with_sampler!(self.setup.sampler, sampler => {
+                disperse(index, n, sampler, &mut paths, &mut wavelengths);
+            });
+            self.account
+                .book(Stage::Disperse, &list.tally, &list.tally, DISPERSE * n);
+        }
+    }
+
     /// Scatters paths and casts occlusion rays, one shader after the other.
     pub(super) fn scatter(&mut self, slots: Slots, samples: &mut SampleBuffer) {
         let setup = self.setup;
         let (program, tables, sampler) = (setup.program, &setup.tables, setup.sampler);
         let (paths, hits) = (self.paths.view(), self.hits.view());
-        let account = &mut self.account;
+        let (account, extras) = (&mut self.account, &self.extras);
+        self.scattered_extras.clear();
         let mut out = Out {
             paths: self.scattered.view_mut(),
             path_len: 0,
@@ -126,12 +157,20 @@ impl Wave<'_> {
             }
             let (stage, listed, tally) = (
                 Stage::Scatter(shader),
-                self.lists.scatter(k, paths, hits),
+                Listed {
+                    times: extras.times(),
+                    ..self.lists.scatter(k, paths, hits)
+                },
                 &list.tally,
             );
             let before = (out.path_len, out.shadow_len);
             let cost = match &mut self.surfaces {
-                Some(surfaces) if shader != Shader::Plain => {
+                _ if shader == Shader::Medium => {
+                    let medium = extras.mediums().unwrap_or_default();
+                    media::in_medium(program, listed, medium, tables, sampler, &mut out);
+                    [medium::PATH, medium::SHADOW]
+                }
+                Some(surfaces) if shader.has_rows() => {
                     surfaces.interact(listed, tables, sampler);
                     account.book(Stage::Interact, tally, tally, INTERACT * list.len());
                     let textured = setup.textured[k].as_ref();
@@ -144,8 +183,8 @@ impl Wave<'_> {
                         account.book(Stage::Light, tally, tally, LIGHT_UP * list.len());
                     }
                     let textured = textured.is_some();
-                    let materials = &tables.materials;
-                    surfaces.respond(program, shader, textured, listed, materials, &mut out);
+                    let light = extras.wavelengths();
+                    surfaces.respond(program, shader, textured, listed, light, tables, &mut out);
                     [respond::PATH, respond::SHADOW]
                 }
                 _ => {
@@ -163,6 +202,28 @@ impl Wave<'_> {
                     [plain::SCATTER, plain::SHADOW]
                 }
             };
+            if out.path_len > before.0 {
+                self.scattered_extras.append_rows(extras, list.indices());
+            }
+            let cast = before.1..out.shadow_len;
+            if tables.media.is_some() || self.shadow_times.is_some() {
+                cast::rows_of(listed, &out.shadows.slot[cast.clone()], &mut self.rows);
+            }
+            if let Some(times) = &mut self.shadow_times {
+                times.give(cast.clone(), listed, &self.rows);
+            }
+            if let (Some(media), Some(medium)) = (&tables.media, extras.mediums()) {
+                let surfaces = self.surfaces.as_ref().filter(|_| shader.passes());
+                let gone = Gone {
+                    listed,
+                    medium,
+                    surfaces: surfaces.map(Surfaces::rows),
+                };
+                gone.attenuate(media, cast, &self.rows, &mut out.shadows);
+                if let Some(into) = self.scattered_extras.mediums_mut() {
+                    gone.cross(media, &out.paths, before.0, into);
+                }
+            }
             let on = Tally::of(&out.paths.bounces[before.0..out.path_len], 0);
             let cast = Tally::of(&out.shadows.bounces[before.1..out.shadow_len], 0);
             let cost = cost[0] * on.total() + cost[1] * cast.total();
@@ -186,7 +247,8 @@ impl Wave<'_> {
         let account = &mut self.account;
         let mut lost = Vec::new();
         intersect::occlude(
-            self.setup.obstacles(),
+            self.setup
+                .obstacles(self.shadow_times.as_ref().map(ShadowTimes::all)),
             slots,
             &mut self.shadows,
             &mut self.occlusion,
@@ -206,6 +268,7 @@ impl Wave<'_> {
         let (setup, account) = (self.setup, &mut self.account);
         let scattered = &mut self.scattered;
         roulette::run(
+            setup.carried.wavelengths,
             setup.rules,
             setup.sampler,
             scattered,
@@ -213,6 +276,8 @@ impl Wave<'_> {
             &mut self.paths,
             |slot| account.drop_sample(Stage::Roulette.name(), slots.sample_of(slot)),
         );
+        self.extras.clear();
+        self.extras.append_kept(&self.scattered_extras, &self.kept);
         let (n, survivors) = (self.scattered.len(), self.paths.len());
         if n == 0 {
             return;

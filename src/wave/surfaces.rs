@@ -10,7 +10,9 @@ use super::queue::Queue;
 use super::sampling::{AnySampler, with_sampler};
 use super::shade::Program;
 use crate::effects::Shader;
-use huygens_kernels::queues::{DrawnMut, Listed, LitMut, SmoothMut, SurfacesMut, TexturedMut};
+use huygens_kernels::queues::{
+    self, DrawnMut, Listed, LitMut, SmoothMut, SurfacesMut, TexturedMut,
+};
 use huygens_kernels::scatter::interact::interact;
 use huygens_kernels::scatter::kinds;
 use huygens_kernels::scatter::light_up::light_up;
@@ -74,6 +76,11 @@ impl Surfaces {
         }
     }
 
+    /// What was met last, row by row of its list.
+    pub(crate) fn rows(&self) -> queues::Surfaces<'_> {
+        self.surfaces.view()
+    }
+
     /// One sample of the light around each.
     pub(crate) fn light_up(&mut self, shader: Shader, tables: &Tables) {
         let n = self.surfaces.len();
@@ -84,32 +91,36 @@ impl Surfaces {
     }
 
     /// What the BSDF makes of both, with the parameters of `textured` surfaces as images left them.
-    pub(crate) fn respond(
+    #[expect(clippy::too_many_arguments, reason = "each a thing of its own")]
+    pub(crate) fn respond<'a>(
         &self,
         program: Program,
         shader: Shader,
         textured: bool,
-        listed: Listed,
-        materials: &Materials,
+        listed: Listed<'a>,
+        wavelengths: &'a [f32],
+        tables: &Tables,
         out: &mut Out,
     ) {
-        let textured = self.textured.as_ref().filter(|_| textured);
-        let materials = &match textured {
-            Some(queue) => Materials {
-                parameters: queue.view().parameters,
-                ..*materials
-            },
-            None => *materials,
-        };
+        let (mut surfaces, mut materials) = (self.surfaces.view(), tables.materials);
+        if let Some(queue) = self.textured.as_ref().filter(|_| textured) {
+            let textured = queue.view();
+            surfaces.material = textured.row;
+            materials.parameters = textured.parameters;
+        }
+        let materials = &materials;
         let rows = Rows {
             listed,
-            surfaces: self.surfaces.view(),
+            surfaces,
             drawn: self.drawn.view(),
             lit: self.lit.view(),
             smooth: self.smooth.as_ref().map(Queue::view),
+            wavelengths,
         };
         match shader {
-            Shader::Plain | Shader::Mix => unreachable!("they have no rows of their own"),
+            Shader::Plain | Shader::Medium | Shader::Mix => {
+                unreachable!("they have no rows of their own")
+            }
             Shader::Diffuse => with::<kinds::Diffuse>(program, rows, materials, out),
             Shader::RoughDiffuse => with::<kinds::RoughDiffuse>(program, rows, materials, out),
             Shader::SmoothConductor => {
@@ -117,10 +128,16 @@ impl Surfaces {
             }
             Shader::RoughConductor => with::<kinds::RoughConductor>(program, rows, materials, out),
             Shader::SmoothDielectric => {
-                with::<kinds::SmoothDielectric>(program, rows, materials, out);
+                with::<kinds::SmoothDielectric<false>>(program, rows, materials, out);
             }
             Shader::RoughDielectric => {
-                with::<kinds::RoughDielectric>(program, rows, materials, out);
+                with::<kinds::RoughDielectric<false>>(program, rows, materials, out);
+            }
+            Shader::SmoothDispersive => {
+                with::<kinds::SmoothDielectric<true>>(program, rows, materials, out);
+            }
+            Shader::RoughDispersive => {
+                with::<kinds::RoughDielectric<true>>(program, rows, materials, out);
             }
             Shader::Principled => with::<kinds::Principled<false>>(program, rows, materials, out),
             Shader::PrincipledGlass => {

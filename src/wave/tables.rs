@@ -2,7 +2,9 @@
 
 use super::images::ImageTables;
 use super::lights::LightTables;
+use super::media::MediaTables;
 use super::parameters::Parameters;
+use crate::effects;
 use crate::geometry::Geometry;
 use crate::scene::{Mesh, Scene};
 use crate::settings::Settings;
@@ -24,6 +26,7 @@ pub(crate) struct SceneTables<'a> {
     sphere_material: Vec<u32>,
     /// Where materials read images.
     images: Option<ImageTables<'a>>,
+    media: Option<MediaTables>,
 }
 
 impl<'a> SceneTables<'a> {
@@ -32,6 +35,7 @@ impl<'a> SceneTables<'a> {
         let mut tables = Self {
             lights: LightTables::new(scene, settings),
             images: ImageTables::new(scene),
+            media: effects::has_media(scene, settings).then(|| MediaTables::new(scene)),
             ..Self::default()
         };
         tables.others(scene);
@@ -71,6 +75,7 @@ impl<'a> SceneTables<'a> {
             sphere_material: &self.sphere_material,
             sphere_selection: &self.lights.sphere_selection,
             instances,
+            motions: geometry.motions(),
             guide: guide?,
             objects: &self.objects,
         })
@@ -129,6 +134,7 @@ impl<'a> SceneTables<'a> {
             lights: self.lights.view(scene),
             attributes: self.view_of_attributes(scene),
             images: self.images.as_ref().map(ImageTables::view),
+            media: self.media.as_ref().map(MediaTables::view),
         }
     }
 }

@@ -112,6 +112,7 @@ impl Builder {
             object,
             placement: Placement::new(map).expect("a map of ordinary size"),
             material,
+            motion: None,
         });
     }
 
@@ -134,6 +135,9 @@ impl Builder {
             textures: Vec::new(),
             sky: None,
             lights: Vec::new(),
+            media: Vec::new(),
+            camera_motion: None,
+            fog: None,
             settings: Settings::default(),
             warnings: Vec::new(),
         }

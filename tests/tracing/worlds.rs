@@ -34,6 +34,9 @@ pub fn empty() -> Scene {
         objects: Vec::new(),
         instances: Vec::new(),
         lights: Vec::new(),
+        media: Vec::new(),
+        camera_motion: None,
+        fog: None,
         materials: vec![Material::diffuse("grey", [0.5; 3], [0.0; 3])],
         textures: Vec::new(),
         sky: None,
@@ -73,6 +76,7 @@ pub fn mixed(copies: usize, balls: usize, seed: u64) -> Scene {
             object: (i % 2) as u32,
             placement: placement(&map),
             material: None,
+            motion: None,
         });
     }
     for _ in 0..balls {

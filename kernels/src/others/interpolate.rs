@@ -28,11 +28,14 @@ impl Interpolated {
         primitive: Ux,
         outside: impl FnOnce() -> Vec3x,
         (u, v): (Fx, Fx),
+        times: impl FnOnce() -> Option<Fx>,
     ) -> Self {
         // The same for the whole render.
         match &triangles.others {
             None => Self::at(triangles, attributes, primitive, u, v),
-            Some(others) => others.interpolate(triangles, attributes, primitive, outside(), (u, v)),
+            Some(others) => {
+                others.interpolate(triangles, attributes, primitive, outside(), (u, v), times())
+            }
         }
     }
 }
@@ -46,6 +49,7 @@ impl Others<'_> {
         primitive: Ux,
         outside: Vec3x,
         weights: (Fx, Fx),
+        times: Option<Fx>,
     ) -> Interpolated {
         let names = primitive.to_array();
         let mut maps = [&HOME; LANES];
@@ -78,7 +82,10 @@ impl Others<'_> {
                 }
             }
         }
-        let maps = Maps::gather(&maps);
+        let maps = match times {
+            None => Maps::gather(&maps),
+            Some(times) => Maps::gather(&self.moved(&maps, times).0.each_ref()),
+        };
         let there = corners_of(&corners);
         let zero = Vec3x::splat([0.0; 3]);
         let there = Corners {

@@ -64,6 +64,30 @@ pub fn block(bounces: Ux, what: Block) -> Ux {
     bounces + bounces + Ux::splat(1 + what as u32)
 }
 
+/// What a path draws its numbers for in scenes that call for it, apart from [`Block`]: the numbers of
+/// a scene do not depend on what is not in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Apart {
+    /// One for the wavelength.
+    Wavelength,
+    /// One for the moment that it lives at.
+    Time,
+    /// One for how far a ray goes in a medium, one for the channel that says so.
+    Medium,
+}
+
+/// The first of the blocks of [`Apart`]: far beyond those of [`block`], and other than those in many
+/// bits, low ones among them. Hashes of words that differ in the topmost bits alone are not
+/// independent: numbers of a block with bit 31 set are correlated with those of the block without.
+const FIRST_APART: u32 = 0xb529_7a4d;
+
+/// The block of a path that has scattered `bounces` times so far, all marks left out.
+#[inline(always)]
+#[must_use]
+pub fn apart(bounces: Ux, what: Apart) -> Ux {
+    (bounces << 2) + Ux::splat(FIRST_APART + what as u32)
+}
+
 /// A pixel's name where only its identity counts: its coordinates, hashed.
 #[inline(always)]
 fn pixel_name(x: Ux, y: Ux) -> Ux {

@@ -8,6 +8,7 @@ use crate::cost::{Cost, columns, item};
 use crate::hemisphere::Frame;
 use crate::interpolate::{Interpolated, towards};
 use crate::lanes::{Fx, Ux, as_bits, gather, gather_u32, store, store_u32};
+use crate::prefetch::Ahead;
 use crate::queues::{DrawnMut, Listed, PathHitsMut, PathsMut, SmoothMut, SurfacesMut};
 use crate::sampler::{Block, Sampler};
 use crate::surface::{self, Place};
@@ -33,18 +34,26 @@ pub fn interact<S: Sampler>(
     mut drawn: DrawnMut,
     mut smooth: Option<SmoothMut>,
 ) {
+    let ahead = Ahead::new(listed, &tables.triangles);
     for (i, at, _) in listed.vectors() {
+        ahead.at(i);
         let direction = Vec3x::gather_columns(listed.paths.direction, at);
         let primitive: Ux = gather_u32(listed.hits.primitive, at);
         let (u, v) = (gather(listed.hits.u, at), gather(listed.hits.v, at));
-        let place = Place::of(&tables.triangles, primitive, u, v);
+        let place = Place::of(&tables.triangles, primitive, u, v, || listed.times(at));
         let outside = place.outside;
         let front = outside.dot(direction).simd_lt(Fx::ZERO);
         let normal = Vec3x::select(front, outside, -outside);
         let mut shading = normal;
         if let (Some(attributes), Some(smooth)) = (&tables.attributes, &mut smooth) {
-            let bent =
-                Interpolated::met(&tables.triangles, attributes, primitive, || outside, (u, v));
+            let bent = Interpolated::met(
+                &tables.triangles,
+                attributes,
+                primitive,
+                || outside,
+                (u, v),
+                || listed.times(at),
+            );
             let facing = Vec3x::select(front, bent.normal, -bent.normal);
             shading = towards(facing, normal, -direction);
             store(smooth.coherence, i, bent.coherence);

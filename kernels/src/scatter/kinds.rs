@@ -5,7 +5,7 @@
 //! | [`Diffuse`] | 0-2 reflectance |
 //! | [`RoughDiffuse`] | 0-2 reflectance, 3 roughness |
 //! | [`SmoothConductor`], [`RoughConductor`] | 0-2 eta, 3-5 k, 6-8 tint, 9 roughness, 10 anisotropy, 11-13 mean reflectance |
-//! | [`SmoothDielectric`], [`RoughDielectric`] | 0 index of refraction, 1 thin, 2-4 tint of reflection, 5-7 of transmission, 8 roughness, 9 compensated |
+//! | [`SmoothDielectric`], [`RoughDielectric`] | 0 index of refraction, 1 thin, 2-4 tint of reflection, 5-7 of transmission, 8 roughness, 9 compensated; where they disperse, 0 is Cauchy's `a` and 19 `b`, nm^2 |
 //! | [`Principled`] | 0-2 base colour, 3 metallic, 4 roughness, 5 index of refraction, 6 specular, 7-9 its colour, 10 transmission, 11 thin, 12 coat, 13 its roughness, 14-16 sheen, 17 its roughness, 18 compensated |
 //!
 //! Compensated surfaces make up for what single scattering loses; a metal does not where its mean
@@ -16,9 +16,13 @@ use super::respond::Kind;
 use crate::bsdf::{
     self, ALPHA_FLOOR, Bsdf, Evaluated, ReflectionEnergy, Sampled, TransmissionEnergy,
 };
+use crate::dispersion::index_at;
 use crate::lanes::{Fx, Mask};
-use crate::tables::Parameters;
+use crate::tables::{Parameters, SLOTS};
 use crate::vec3::Vec3x;
+
+/// The slot of Cauchy's `b`: the last one, behind whatever else glass has.
+pub const CAUCHY_B: usize = SLOTS - 1;
 
 /// Lambertian reflection that is not plain: its surface is interpolated or textured.
 #[derive(Clone, Copy, Debug)]
@@ -32,12 +36,12 @@ pub struct SmoothConductor;
 /// A rough metal.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughConductor;
-/// Clear glass.
+/// Clear glass; `DISPERSIVE` if its index depends on the wavelength.
 #[derive(Clone, Copy, Debug)]
-pub struct SmoothDielectric;
-/// Frosted glass.
+pub struct SmoothDielectric<const DISPERSIVE: bool>;
+/// Frosted glass; `DISPERSIVE` if its index depends on the wavelength.
 #[derive(Clone, Copy, Debug)]
-pub struct RoughDielectric;
+pub struct RoughDielectric<const DISPERSIVE: bool>;
 /// The metallic-roughness model; `GLASS` if some of its materials let light pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Principled<const GLASS: bool>;
@@ -152,8 +156,13 @@ impl Kind for RoughConductor {
 }
 
 #[inline(always)]
-fn glass(parameters: Parameters, front: Mask) -> bsdf::SmoothDielectric {
+fn glass<const DISPERSIVE: bool>(parameters: Parameters, front: Mask) -> bsdf::SmoothDielectric {
     let (ior, thin) = (parameters.number(0), flag(parameters.number(1)));
+    let ior = if DISPERSIVE {
+        index_at(ior, parameters.number(CAUCHY_B), parameters.wavelength)
+    } else {
+        ior
+    };
     bsdf::SmoothDielectric {
         eta: relative_index(ior, front | thin),
         thin,
@@ -162,24 +171,26 @@ fn glass(parameters: Parameters, front: Mask) -> bsdf::SmoothDielectric {
     }
 }
 
-impl Kind for SmoothDielectric {
+impl<const DISPERSIVE: bool> Kind for SmoothDielectric<DISPERSIVE> {
     type Bsdf = bsdf::SmoothDielectric;
     const DELTA: bool = true;
     const PASSES: bool = true;
+    const DISPERSES: bool = DISPERSIVE;
     #[inline(always)]
     fn load(parameters: Parameters, front: Mask) -> Self::Bsdf {
-        glass(parameters, front)
+        glass::<DISPERSIVE>(parameters, front)
     }
 }
 
-impl Kind for RoughDielectric {
+impl<const DISPERSIVE: bool> Kind for RoughDielectric<DISPERSIVE> {
     type Bsdf = bsdf::RoughDielectric<'static>;
     const DELTA: bool = false;
     const PASSES: bool = true;
+    const DISPERSES: bool = DISPERSIVE;
     #[inline(always)]
     fn load(parameters: Parameters, front: Mask) -> Self::Bsdf {
         bsdf::RoughDielectric {
-            surface: glass(parameters, front),
+            surface: glass::<DISPERSIVE>(parameters, front),
             alpha: alpha(parameters.number(8)),
             energy: TransmissionEnergy::table(),
             compensated: flag(parameters.number(9)),

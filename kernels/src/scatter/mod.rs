@@ -5,12 +5,16 @@
 //! * [`interact`], [`texture`], [`light_up`], [`respond`]: all others, in passes with queues in
 //!   between: what the surface is, what images say of it, one sample of its light, and what its BSDF
 //!   makes of all that, one kernel a kind of BSDF.
+//! * [`disperse`]: what a path becomes before it meets a dispersive surface.
+//! * [`medium`]: scattering in a medium, without a surface.
 //! * [`ambient`]: ambient occlusion.
 
 pub mod ambient;
+pub mod disperse;
 pub mod interact;
 pub mod kinds;
 pub mod light_up;
+pub mod medium;
 pub mod plain;
 pub mod respond;
 pub mod texture;

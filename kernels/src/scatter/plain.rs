@@ -20,6 +20,7 @@ use crate::hemisphere::to_world;
 use crate::lanes::{Fx, as_mask};
 use crate::light::sample_light;
 use crate::math::INV_PI;
+use crate::prefetch::Ahead;
 use crate::queues::{Listed, PathHitsMut, PathsMut, ShadowsMut};
 use crate::sampler::{Block, Sampler};
 use crate::surface::{self, Surface};
@@ -56,7 +57,9 @@ pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(
     sampler: S,
     out: &mut Out,
 ) {
+    let ahead = Ahead::new(listed, &tables.triangles);
     for (i, at, busy) in listed.vectors() {
+        ahead.at(i);
         let surface = Surface::met(&listed, &tables.triangles, at);
         let primitive = surface.primitive;
         let albedo = Vec3x::gather_columns(tables.materials.albedo, surface.material);
@@ -91,7 +94,7 @@ pub fn scatter<D: Directions, N: NextEvent, S: Sampler>(
                 & light.valid
                 & cos.simd_gt(Fx::ZERO)
                 & !as_mask(light.primitive.simd_eq(primitive))
-                & radiance.max_component().simd_gt(Fx::ZERO);
+                & radiance.any_light();
             let ray = Cast {
                 origin: light.origin,
                 segment: light.segment,

@@ -16,7 +16,7 @@ use crate::bsdf::Bsdf;
 use crate::cost::{Cost, columns, item};
 use crate::hemisphere::Frame;
 use crate::interpolate::terminator;
-use crate::lanes::{Fx, LANES, Mask, as_mask, first, load, load_u32, padded};
+use crate::lanes::{Fx, LANES, Mask, as_mask, first, gather, load, load_u32, padded};
 use crate::mis::power_heuristic;
 use crate::queues::{
     BOTH_SIDES, Drawn, DrawnMut, Listed, Lit, LitMut, PathsMut, ShadowsMut, Smooth, Surfaces,
@@ -47,6 +47,8 @@ pub trait Kind {
     const DIFFUSE: bool = false;
     /// Whether light passes through: what lies below is lit too.
     const PASSES: bool = false;
+    /// Whether its parameters depend on the wavelength.
+    const DISPERSES: bool = false;
     /// Fetches the parameters, for surfaces seen from their front or their back.
     fn load(parameters: Parameters, front: Mask) -> Self::Bsdf;
 }
@@ -64,6 +66,8 @@ pub struct Rows<'a, 'b> {
     pub lit: Lit<'b>,
     /// Where normals are interpolated.
     pub smooth: Option<Smooth<'b>>,
+    /// Wavelengths, place by place of the paths; read by kinds that disperse.
+    pub wavelengths: &'a [f32],
 }
 
 /// Scatters the rows behind the paths and occlusion rays that `out` already holds.
@@ -74,6 +78,7 @@ pub fn respond<K: Kind, N: NextEvent>(rows: Rows, materials: &Materials, out: &m
         drawn,
         lit,
         smooth,
+        wavelengths,
     } = rows;
     let n = listed.len;
     for i in (0..padded(n)).step_by(LANES) {
@@ -84,6 +89,11 @@ pub fn respond<K: Kind, N: NextEvent>(rows: Rows, materials: &Materials, out: &m
             Parameters {
                 materials,
                 material,
+                wavelength: if K::DISPERSES {
+                    gather(wavelengths, at)
+                } else {
+                    Fx::ZERO
+                },
             },
             front,
         );
@@ -139,7 +149,7 @@ pub fn respond<K: Kind, N: NextEvent>(rows: Rows, materials: &Materials, out: &m
             let carries = busy
                 & agree(normal.dot(direction), omega_i.z)
                 & !as_mask(reached.simd_eq(primitive))
-                & radiance.max_component().simd_gt(Fx::ZERO);
+                & radiance.any_light();
             let ray = Cast {
                 origin: Vec3x::load(lit.origin, i),
                 segment: Vec3x::load(lit.segment, i),

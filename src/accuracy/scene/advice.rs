@@ -158,9 +158,9 @@ fn precision(study: &SceneStudy, curve: &SceneCurve, goal: f64) -> Option<String
     };
     let last = curve.curve.points.last()?;
     let agrees = if last.believed_bias_squared() > 0.0 {
-        "differs from the wave"
+        format!("differs from the wave by {}", share(curve.bias()))
     } else {
-        "agrees with the wave to within the noise"
+        "agrees with the wave to within the noise".to_owned()
     };
     let cost = twin
         .and_then(|t| Some(sample(curve)? / sample(t)?))

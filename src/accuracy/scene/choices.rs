@@ -233,7 +233,7 @@ impl List<'_> {
     }
 
     /// Nothing but the arithmetic and the data structures shall differ from a choice of the wave:
-    /// the reference follows a path's directions alone, by the cosine.
+    /// of both, light is found by directions alone.
     fn precision(&mut self) {
         if !matches!(self.base.integrator, Integrator::Path | Integrator::Direct) {
             return;
@@ -249,7 +249,7 @@ impl List<'_> {
         self.add(
             Family::Precision,
             "f64 reference",
-            "the recursive tracer in f64, directions by the cosine, every triangle tested",
+            "the recursive tracer in f64, light found by directions, every triangle tested",
             "--integrator reference --strategy cosine",
             settings,
         );

@@ -35,6 +35,9 @@ pub(crate) fn scene() -> Scene {
         textures: Vec::new(),
         sky: None,
         lights: Vec::new(),
+        media: Vec::new(),
+        camera_motion: None,
+        fog: None,
         settings: Settings {
             ao_distance: Some(2.5),
             ..Settings::default()

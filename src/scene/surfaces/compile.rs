@@ -2,6 +2,7 @@
 //! as far as their headers tell; in [`TextureUse::texture`] stands their place in
 //! [`Surfaces::wanted`] until they are loaded.
 
+use super::glass;
 use super::images::{Images, Wanted};
 use super::said::{self, Kind};
 use crate::scene::error::SceneError;
@@ -28,7 +29,7 @@ pub(in crate::scene) struct Surfaces {
     pub(in crate::scene) warnings: Vec<String>,
 }
 
-/// Compiles the materials of a scene file.
+/// Compiles the materials of a scene file, whose media have these names.
 ///
 /// # Errors
 /// Keys that the kind has no use for, values that no surface has, unknown names, textures that are
@@ -36,6 +37,7 @@ pub(in crate::scene) struct Surfaces {
 pub(in crate::scene) fn compile(
     file: &SceneFile,
     said: &BTreeMap<String, Spanned<said::Material>>,
+    media: &[&str],
 ) -> Result<Surfaces, SceneError> {
     let names: Vec<&str> = said.keys().map(String::as_str).collect();
     let mut images = Images::new(file);
@@ -44,6 +46,7 @@ pub(in crate::scene) fn compile(
         let mut compiler = Compiler {
             file,
             names: &names,
+            media,
             images: &mut images,
             span: said.span(),
         };
@@ -78,6 +81,8 @@ fn holds_itself(materials: &[Material], sought: usize, at: usize, depth: usize) 
 struct Compiler<'a, 'f> {
     file: &'f SceneFile,
     names: &'a [&'a str],
+    /// Names of media.
+    media: &'a [&'a str],
     images: &'a mut Images<'f>,
     /// Of the material.
     span: Range<usize>,
@@ -199,15 +204,15 @@ impl Compiler<'_, '_> {
     }
 
     fn dielectric(&mut self, m: &said::Material) -> Result<Dielectric, SceneError> {
-        let default = Dielectric::default();
+        let (ior, dispersion) = glass::index(self.file, m)?;
         Ok(Dielectric {
-            ior: m.ior.as_ref().map_or(default.ior, |x| x.get_ref().0 as f32),
+            ior,
             roughness: self.images.roughness(&m.roughness, 0.0)?,
             thin: m.thin.as_ref().is_some_and(|x| *x.get_ref()),
             reflection_tint: self.images.value(&m.reflection_tint, [1.0; 3])?,
             transmission_tint: self.images.value(&m.transmission_tint, [1.0; 3])?,
-            abbe: m.abbe.as_ref().map(|x| x.get_ref().0 as f32),
-            interior: None,
+            dispersion,
+            interior: glass::interior(self.file, self.media, m)?,
         })
     }
 
@@ -302,6 +307,8 @@ fn nothing_needless(file: &SceneFile, m: &said::Material, kind: Kind) -> Result<
         reflection_tint: [Dielectric],
         transmission_tint: [Dielectric],
         abbe: [Dielectric],
+        cauchy: [Dielectric],
+        interior: [Dielectric],
         base_color: [Principled],
         metallic: [Principled],
         specular: [Principled],

@@ -2,6 +2,7 @@
 //! that they name (`images`).
 
 mod compile;
+mod glass;
 mod images;
 mod said;
 mod slots;

@@ -33,6 +33,8 @@ pub(in crate::scene) struct Material {
     pub(super) reflection_tint: Option<Spanned<Value<OneOrThree<Unit>>>>,
     pub(super) transmission_tint: Option<Spanned<Value<OneOrThree<Unit>>>>,
     pub(super) abbe: Option<Spanned<Positive>>,
+    pub(super) cauchy: Option<Spanned<[Finite; 2]>>,
+    pub(super) interior: Option<Spanned<String>>,
     pub(super) base_color: Option<Spanned<Value<OneOrThree<Unit>>>>,
     pub(super) metallic: Option<Spanned<Value<Unit>>>,
     pub(super) specular: Option<Spanned<Value<Unit>>>,

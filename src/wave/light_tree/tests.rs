@@ -71,6 +71,9 @@ fn scene(triangles: usize, points: usize, rng: &mut Pcg64) -> Scene {
         instances: Vec::new(),
         sky: None,
         lights: (0..points).map(|k| light(k, rng)).collect(),
+        media: Vec::new(),
+        camera_motion: None,
+        fog: None,
         settings: crate::settings::Settings::default(),
         warnings: Vec::new(),
     }
