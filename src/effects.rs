@@ -195,11 +195,6 @@ impl Effects {
     }
 }
 
-/// Whether a render has to do with media.
-pub(crate) fn has_media(scene: &Scene, settings: &Settings) -> bool {
-    settings.integrator.is_transport() && scene.media_in_use().next().is_some()
-}
-
 /// The effects of images at surfaces.
 impl Effects {
     fn opacity(&mut self, scene: &Scene, worn: &[bool]) {
@@ -229,6 +224,11 @@ impl Effects {
         }
         self.textured = textured;
     }
+}
+
+/// Whether a render has to do with media.
+pub(crate) fn has_media(scene: &Scene, settings: &Settings) -> bool {
+    settings.integrator.is_transport() && scene.media_in_use().next().is_some()
 }
 
 /// The fewest lights at a finite distance for which a tree is taken to be worth its steps: set by

@@ -158,6 +158,40 @@ fn a_rough_wall_adds_its_own_stages_and_queues() {
         && e.reason == format!("material `{}`", scene.materials[0].name)));
 }
 
+#[test]
+fn images_add_a_stage_and_a_queue_where_surfaces_read_them() {
+    let folder = Folder::new();
+    let image = image::ImageBuffer::from_pixel(2, 2, image::Rgb([100u8, 150, 200]));
+    image.save(folder.path("i.png")).unwrap();
+    let scene = |albedo: &str| {
+        let text = format!(
+            "[sky]\nradiance = 1\n[film]\nwidth = 16\nheight = 16\n\
+             [materials.other]\nkind = \"conductor\"\nmetal = \"gold\"\n\
+             [materials.m]\nroughness = 0.5\nalbedo = {albedo}\n\
+             [[shapes]]\nmaterial = \"m\"\nbox = {{ min = [0, 0, 0], max = [1, 1, 1] }}\n\
+             [[shapes]]\nmaterial = \"other\"\nbox = {{ min = [2, 0, 0], max = [3, 1, 1] }}\n"
+        );
+        folder.scene_of(&text)
+    };
+    let plain = plan(&scene("0.5"), &settings());
+    let textured = scene("{ file = \"i.png\" }");
+    let read = plan(&textured, &settings());
+    let added = |a: Vec<&'static str>, b: &[&'static str]| -> Vec<&'static str> {
+        a.into_iter().filter(|s| !b.contains(s)).collect()
+    };
+    assert_eq!(added(read.stages.clone(), &plain.stages), ["texture"]);
+    let names = |plan: &Plan| -> Vec<&'static str> { plan.queues.iter().map(|q| q.name).collect() };
+    assert_eq!(added(names(&read), &names(&plain)), ["textured surfaces"]);
+    assert_eq!(
+        read.effects.len() - plain.effects.len(),
+        1,
+        "nothing else is called for"
+    );
+    let effect = read.effects.iter().find(|e| e.name == "textures");
+    assert_eq!(effect.map(|e| &e.reason[..]), Some("material `m`"));
+    assert_eq!(ran(&textured, &settings()), read.stages);
+}
+
 /// Dispersion is asked for by a glass that disperses, and adds a stage and a column a path.
 #[test]
 fn a_dispersive_glass_adds_wavelengths_and_plain_glass_does_not() {
@@ -260,38 +294,4 @@ fn what_moves_adds_times_and_what_stands_does_not() {
     others.retain(|q| !q.0.contains("times"));
     assert_eq!(others, queues(&still));
     assert_eq!(ran(&scene, &settings()), moves.stages);
-}
-
-#[test]
-fn images_add_a_stage_and_a_queue_where_surfaces_read_them() {
-    let folder = Folder::new();
-    let image = image::ImageBuffer::from_pixel(2, 2, image::Rgb([100u8, 150, 200]));
-    image.save(folder.path("i.png")).unwrap();
-    let scene = |albedo: &str| {
-        let text = format!(
-            "[sky]\nradiance = 1\n[film]\nwidth = 16\nheight = 16\n\
-             [materials.other]\nkind = \"conductor\"\nmetal = \"gold\"\n\
-             [materials.m]\nroughness = 0.5\nalbedo = {albedo}\n\
-             [[shapes]]\nmaterial = \"m\"\nbox = {{ min = [0, 0, 0], max = [1, 1, 1] }}\n\
-             [[shapes]]\nmaterial = \"other\"\nbox = {{ min = [2, 0, 0], max = [3, 1, 1] }}\n"
-        );
-        folder.scene_of(&text)
-    };
-    let plain = plan(&scene("0.5"), &settings());
-    let textured = scene("{ file = \"i.png\" }");
-    let read = plan(&textured, &settings());
-    let added = |a: Vec<&'static str>, b: &[&'static str]| -> Vec<&'static str> {
-        a.into_iter().filter(|s| !b.contains(s)).collect()
-    };
-    assert_eq!(added(read.stages.clone(), &plain.stages), ["texture"]);
-    let names = |plan: &Plan| -> Vec<&'static str> { plan.queues.iter().map(|q| q.name).collect() };
-    assert_eq!(added(names(&read), &names(&plain)), ["textured surfaces"]);
-    assert_eq!(
-        read.effects.len() - plain.effects.len(),
-        1,
-        "nothing else is called for"
-    );
-    let effect = read.effects.iter().find(|e| e.name == "textures");
-    assert_eq!(effect.map(|e| &e.reason[..]), Some("material `m`"));
-    assert_eq!(ran(&textured, &settings()), read.stages);
 }

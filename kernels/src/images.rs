@@ -161,7 +161,7 @@ impl Images<'_> {
         }
         let rows = material.to_array().map(|m| self.opacity[m as usize]);
         let which = Ux::new(rows.map(|row| row.texture));
-        let uv = Read::at(tables, primitive, (u, v), Fx::ZERO, || None);
+        let uv = Read::at(tables, primitive, (u, v), Fx::ZERO, None);
         let uv = uv.map_or([Fx::ZERO; 2], |read| read.point.uv);
         let factor = Fx::new(rows.map(|row| row.factor));
         let alpha = factor * self.textures.sample(which, uv, Fx::ZERO).x;
@@ -182,7 +182,7 @@ pub struct Read {
 
 impl Read {
     /// Points with barycentric weights `u`, `v` of `primitive` that rays of cone width `width` met;
-    /// (0, 0) where there are no coordinates, none if nothing has any. For `times` see [`Place::of`].
+    /// (0, 0) where there are no coordinates, none if nothing has any.
     #[inline(always)]
     #[must_use]
     pub fn at(
@@ -190,12 +190,12 @@ impl Read {
         primitive: Ux,
         (u, v): (Fx, Fx),
         width: Fx,
-        times: impl Fn() -> Option<Fx>,
+        times: Option<Fx>,
     ) -> Option<Self> {
         let attributes = tables.attributes.as_ref()?;
         let triangles = &tables.triangles;
-        let outside = || Place::of(triangles, primitive, u, v, &times).outside;
-        let point = Interpolated::met(triangles, attributes, primitive, outside, (u, v), &times);
+        let outside = || Place::of(triangles, primitive, u, v, || times).outside;
+        let point = Interpolated::met(triangles, attributes, primitive, outside, (u, v), || times);
         Some(Self {
             width: width * point.uv_per_length,
             point,

@@ -65,9 +65,7 @@ fn colour(listed: &Listed, tables: &Tables, images: &Images, surface: &Surface, 
         column(listed.hits.t),
     );
     let width = images.cone.width(t, column(listed.paths.pdf));
-    let read = Read::at(tables, surface.primitive, (u, v), width, || {
-        listed.times(at)
-    });
+    let read = Read::at(tables, surface.primitive, (u, v), width, listed.times(at));
     let which = gather_u32(images.albedo, surface.material);
     let (uv, width) = read.map_or(([Fx::ZERO; 2], Fx::ZERO), |r| (r.point.uv, r.width));
     images.textures.sample(which, uv, width)

@@ -126,19 +126,6 @@ impl Others<'_> {
         }
     }
 
-    /// Where instances are at their moments, and what their points are off by.
-    fn moved(&self, maps: &[&Instance; LANES], times: Fx) -> ([Instance; LANES], Fx) {
-        let mut roundings = [gamma(40.0); LANES];
-        let moved = std::array::from_fn(|lane| match maps[lane].motion {
-            STILL => *maps[lane],
-            motion => {
-                roundings[lane] = gamma(ROUNDINGS);
-                self.motions[motion as usize].placed(maps[lane], times.as_array()[lane])
-            }
-        });
-        (moved, Fx::new(roundings))
-    }
-
     /// Where what is called `primitive`, and is no triangle of the world, has its tables.
     ///
     /// # Panics
@@ -150,6 +137,19 @@ impl Others<'_> {
             Part::Sphere(_) => Home::Sphere,
             Part::Copy(instance, i) => Home::Object(&self.objects[instance.object as usize], i),
         }
+    }
+
+    /// Where instances are at their moments, and what their points are off by.
+    pub(crate) fn moved(&self, maps: &[&Instance; LANES], times: Fx) -> ([Instance; LANES], Fx) {
+        let mut roundings = [gamma(40.0); LANES];
+        let moved = std::array::from_fn(|lane| match maps[lane].motion {
+            STILL => *maps[lane],
+            motion => {
+                roundings[lane] = gamma(ROUNDINGS);
+                self.motions[motion as usize].placed(maps[lane], times.as_array()[lane])
+            }
+        });
+        (moved, Fx::new(roundings))
     }
 
     /// Lanes that hold spheres.

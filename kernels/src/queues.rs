@@ -174,6 +174,8 @@ soa! {
     pub struct Textured, TexturedMut {
         /// As `tables::Materials::parameters`.
         parameters: Slots,
+        /// The row's own number: its material among `parameters`.
+        row: U32,
     }
 }
 

@@ -22,10 +22,10 @@ pub struct Tables<'a> {
     pub lights: Lights<'a>,
     /// What vertices carry besides, where some surfaces are interpolated or read images.
     pub attributes: Option<Attributes<'a>>,
-    /// Media, where the scene has any.
-    pub media: Option<Media<'a>>,
     /// What materials read of images, where some do.
     pub images: Option<Images<'a>>,
+    /// Media, where the scene has any.
+    pub media: Option<Media<'a>>,
 }
 
 /// Triangle tables, world space.

@@ -147,24 +147,13 @@ impl Geometry {
         levels::occluded::<IN_FLIGHT>(&self.levels(), filter, segments, occluded);
     }
 
-    /// [`Geometry::closest`] where instances move: ray `i` lives at `times[i]`.
-    pub fn closest_at(&self, times: &[f32], rays: Rays, hits: Hits) {
-        levels::closest_at::<IN_FLIGHT>(&self.levels(), &Everything, times, rays, hits);
-    }
-
-    /// [`Geometry::occluded`] where instances move: segment `i` lives at `times[i]`.
-    pub fn occluded_at(&self, times: &[f32], segments: Segments, occluded: &mut [u32]) {
-        let world = self.levels();
-        levels::occluded_at::<IN_FLIGHT>(&world, &Everything, times, segments, occluded);
-    }
-
     /// [`Geometry::closest_where`] where instances move: ray `i` lives at `times[i]`.
-    pub fn closest_where_at(&self, filter: &impl Filter, times: &[f32], rays: Rays, hits: Hits) {
+    pub fn closest_at(&self, filter: &impl Filter, times: &[f32], rays: Rays, hits: Hits) {
         levels::closest_at::<IN_FLIGHT>(&self.levels(), filter, times, rays, hits);
     }
 
     /// [`Geometry::occluded_where`] where instances move: segment `i` lives at `times[i]`.
-    pub fn occluded_where_at(
+    pub fn occluded_at(
         &self,
         filter: &impl Filter,
         times: &[f32],

@@ -10,6 +10,7 @@ use super::queue::Queue;
 use crate::film::SampleBuffer;
 use crate::geometry::Geometry;
 use huygens_kernels::emission::unoccluded;
+use huygens_kernels::levels::Everything;
 use huygens_kernels::opacity::{Opacities, There};
 use huygens_kernels::queues::{MARKS, OcclusionMut, PathHitsMut, PathsMut, ShadowsMut};
 use huygens_kernels::rays::{Hits, Rays, Segments, untraceable};
@@ -39,6 +40,7 @@ pub(crate) fn intersect(
     hits: &mut Queue<PathHitsMut<'static>>,
     mut lost: impl FnMut(u32),
 ) {
+    let geometry = obstacles.geometry;
     let n = paths.len();
     let mut places = Vec::new();
     let view = paths.view();
@@ -66,22 +68,18 @@ pub(crate) fn intersect(
         u: out.u,
         v: out.v,
     };
-    let Obstacles {
-        geometry,
-        opacities,
-        times,
-    } = obstacles;
-    match (opacities, times) {
+    let name = |i: usize| {
+        let which = !((view.bounces[i] & !MARKS) << 8 | CLOSEST);
+        [view.pixel[i], view.sample[i], which]
+    };
+    match (obstacles.opacities, obstacles.times) {
         (None, None) => geometry.closest(rays, found),
-        (None, Some(times)) => geometry.closest_at(times, rays, found),
-        (Some(opacities), times) => {
-            let which = |i: usize| !((view.bounces[i] & !MARKS) << 8 | CLOSEST);
-            let name = |i: usize| [view.pixel[i], view.sample[i], which(i)];
-            let there = There { opacities, name };
-            match times {
-                None => geometry.closest_where(&there, rays, found),
-                Some(times) => geometry.closest_where_at(&there, times, rays, found),
-            }
+        (None, Some(times)) => geometry.closest_at(&Everything, times, rays, found),
+        (Some(opacities), None) => {
+            geometry.closest_where(&There { opacities, name }, rays, found);
+        }
+        (Some(opacities), Some(times)) => {
+            geometry.closest_at(&There { opacities, name }, times, rays, found);
         }
     }
     hits.set_len(n);
@@ -98,6 +96,7 @@ pub(crate) fn occlude(
     mut lost: impl FnMut(u32),
     dropped: impl FnMut(u32),
 ) {
+    let geometry = obstacles.geometry;
     let n = shadows.len();
     let mut places = Vec::new();
     let view = shadows.view();
@@ -118,24 +117,18 @@ pub(crate) fn occlude(
         reaches: view.reaches,
     };
     let answers = occlusion.view_mut().occluded;
-    let Obstacles {
-        geometry,
-        opacities,
-        times,
-    } = obstacles;
-    match (opacities, times) {
+    let name = |i: usize| {
+        let (x, y, sample) = slots.sample_of(view.slot[i]);
+        [x | y << 16, sample, !(view.bounces[i] << 8 | OCCLUSION)]
+    };
+    match (obstacles.opacities, obstacles.times) {
         (None, None) => geometry.occluded(segments, answers),
-        (None, Some(times)) => geometry.occluded_at(times, segments, answers),
-        (Some(opacities), times) => {
-            let name = |i: usize| {
-                let (x, y, sample) = slots.sample_of(view.slot[i]);
-                [x | y << 16, sample, !(view.bounces[i] << 8 | OCCLUSION)]
-            };
-            let there = There { opacities, name };
-            match times {
-                None => geometry.occluded_where(&there, segments, answers),
-                Some(times) => geometry.occluded_where_at(&there, times, segments, answers),
-            }
+        (None, Some(times)) => geometry.occluded_at(&Everything, times, segments, answers),
+        (Some(opacities), None) => {
+            geometry.occluded_where(&There { opacities, name }, segments, answers);
+        }
+        (Some(opacities), Some(times)) => {
+            geometry.occluded_at(&There { opacities, name }, times, segments, answers);
         }
     }
     occlusion.set_len(n);

@@ -59,7 +59,7 @@ impl Parameters {
                 all.plain(&[flag(material.compensation)]);
                 if let Some(cauchy) = glass.dispersion.filter(|_| !glass.thin) {
                     (all.slots[0], all.slots[CAUCHY_B]) = (cauchy.a, cauchy.b);
-                    all.layout.slots = CAUCHY_B + 1;
+                    all.layout.slots = all.layout.slots.max(CAUCHY_B + 1);
                 }
             }
             Bsdf::Principled(p) => {

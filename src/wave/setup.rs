@@ -175,7 +175,7 @@ impl Setup<'_> {
         }
     }
 
-    /// What rays meet, at their `times` where something moves.
+    /// What rays meet, at their `times` if something moves.
     pub(crate) fn obstacles<'b>(&'b self, times: Option<&'b [f32]>) -> Obstacles<'b> {
         Obstacles {
             geometry: self.geometry,

@@ -183,11 +183,8 @@ impl Wave<'_> {
                         account.book(Stage::Light, tally, tally, LIGHT_UP * list.len());
                     }
                     let textured = textured.is_some();
-                    let materials = &tables.materials;
                     let light = extras.wavelengths();
-                    surfaces.respond(
-                        program, shader, textured, listed, light, materials, &mut out,
-                    );
+                    surfaces.respond(program, shader, textured, listed, light, tables, &mut out);
                     [respond::PATH, respond::SHADOW]
                 }
                 _ => {

@@ -67,11 +67,6 @@ impl Surfaces {
         self.drawn.set_len(listed.len);
     }
 
-    /// What was met last, row by row of its list.
-    pub(crate) fn rows(&self) -> queues::Surfaces<'_> {
-        self.surfaces.view()
-    }
-
     /// What images say of them.
     pub(crate) fn texture(&mut self, listed: Listed, tables: &Tables, layout: &Layout) {
         if let Some(textured) = &mut self.textured {
@@ -79,6 +74,11 @@ impl Surfaces {
             texture(listed, tables, layout, surfaces, textured.view_mut());
             textured.set_len(listed.len);
         }
+    }
+
+    /// What was met last, row by row of its list.
+    pub(crate) fn rows(&self) -> queues::Surfaces<'_> {
+        self.surfaces.view()
     }
 
     /// One sample of the light around each.
@@ -91,7 +91,7 @@ impl Surfaces {
     }
 
     /// What the BSDF makes of both, with the parameters of `textured` surfaces as images left them.
-    #[expect(clippy::too_many_arguments)]
+    #[expect(clippy::too_many_arguments, reason = "each a thing of its own")]
     pub(crate) fn respond<'a>(
         &self,
         program: Program,
@@ -99,20 +99,19 @@ impl Surfaces {
         textured: bool,
         listed: Listed<'a>,
         wavelengths: &'a [f32],
-        materials: &Materials,
+        tables: &Tables,
         out: &mut Out,
     ) {
-        let textured = self.textured.as_ref().filter(|_| textured);
-        let materials = &match textured {
-            Some(queue) => Materials {
-                parameters: queue.view().parameters,
-                ..*materials
-            },
-            None => *materials,
-        };
+        let (mut surfaces, mut materials) = (self.surfaces.view(), tables.materials);
+        if let Some(queue) = self.textured.as_ref().filter(|_| textured) {
+            let textured = queue.view();
+            surfaces.material = textured.row;
+            materials.parameters = textured.parameters;
+        }
+        let materials = &materials;
         let rows = Rows {
             listed,
-            surfaces: self.surfaces.view(),
+            surfaces,
             drawn: self.drawn.view(),
             lit: self.lit.view(),
             smooth: self.smooth.as_ref().map(Queue::view),

@@ -24,9 +24,9 @@ pub(crate) struct SceneTables<'a> {
     pub(crate) lights: LightTables,
     objects: Vec<Object<'a>>,
     sphere_material: Vec<u32>,
-    media: Option<MediaTables>,
     /// Where materials read images.
     images: Option<ImageTables<'a>>,
+    media: Option<MediaTables>,
 }
 
 impl<'a> SceneTables<'a> {
@@ -34,8 +34,8 @@ impl<'a> SceneTables<'a> {
     pub(crate) fn new(scene: &'a Scene, settings: &Settings) -> Self {
         let mut tables = Self {
             lights: LightTables::new(scene, settings),
-            media: effects::has_media(scene, settings).then(|| MediaTables::new(scene)),
             images: ImageTables::new(scene),
+            media: effects::has_media(scene, settings).then(|| MediaTables::new(scene)),
             ..Self::default()
         };
         tables.others(scene);

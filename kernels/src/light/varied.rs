@@ -76,7 +76,7 @@ pub fn emission(
     v: Fx,
 ) -> Vec3x {
     let which = images.emission_of(material, busy);
-    let read = Read::at(tables, primitive, (u, v), Fx::ZERO, || None);
+    let read = Read::at(tables, primitive, (u, v), Fx::ZERO, None);
     let uv = read.map_or([Fx::ZERO; 2], |read| read.point.uv);
     images.textures.sample(which, uv, Fx::ZERO)
 }

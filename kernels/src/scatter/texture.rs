@@ -2,8 +2,8 @@
 //! lists of which some material reads one.
 //!
 //! Parameters are fetched for each row, those that an image varies multiplied by its value there, and
-//! written as the columns of a material table with a material a row; from there on each row is its
-//! own material, so that the kernels behind know nothing of images. Normal and bump maps bend the
+//! written as the columns of a material table with a material a row, of which each row wears its own:
+//! so the kernels of BSDFs know nothing of images. Normal and bump maps bend the
 //! shading normal that `interact` left, by its rules, and leave `queues::Smooth` as it is.
 //!
 //! Cost: [`TEXTURE`].
@@ -30,7 +30,7 @@ pub const TEXTURE: Cost = Cost::new(
         + 24
         + 48
         + 32,
-    item::<TexturedMut<'static>>() + columns::<SurfacesMut<'static>>(&["material"]),
+    item::<TexturedMut<'static>>(),
 )
 .operations(2 * surface::OPERATIONS + 120);
 
@@ -62,8 +62,13 @@ pub fn texture(
         let (t, pdf) = (gather(listed.hits.t, at), gather(listed.paths.pdf, at));
         let (u, v) = (gather(listed.hits.u, at), gather(listed.hits.v, at));
         let primitive = load_u32(surfaces.primitive, i);
-        let width = images.cone.width(t, pdf);
-        let read = Read::at(tables, primitive, (u, v), width, || listed.times(at));
+        let read = Read::at(
+            tables,
+            primitive,
+            (u, v),
+            images.cone.width(t, pdf),
+            listed.times(at),
+        );
         parameters(
             tables,
             images,
@@ -77,7 +82,7 @@ pub fn texture(
             let direction = Vec3x::gather_columns(listed.paths.direction, at);
             bend(images, &read, material, direction, i, &mut surfaces);
         }
-        store_u32(surfaces.material, i, iota(i as u32));
+        store_u32(textured.row, i, iota(i as u32));
     }
 }
 
