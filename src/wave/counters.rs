@@ -133,9 +133,10 @@ mod tests {
         }
         let mut counters = Counters::open();
         let before = counters.read()[faults];
-        let pages = vec![1u8; 1 << 24];
+        // More than allocators keep back for reuse, so these pages are new; even where all of them are
+        // huge, 64 MiB are 32.
+        let pages = vec![1u8; 1 << 26];
         assert!(pages.iter().all(|&b| b == 1));
-        // 16 MiB are at least eight pages, even where all of them are huge.
         assert!(counters.read()[faults] >= before + 8.0);
     }
 }
