@@ -4,7 +4,7 @@
 mod common;
 
 use common::picture::{by_reference, by_wave, independent};
-use common::scenes::{Builder, camera_along_z};
+use common::scenes::tilted_plate;
 use common::statistics::{SIGNIFICANCE, same};
 use huygens::scene::{Environment, Light, LightKind, Scene, Sky, Spot};
 use huygens::settings::{Integrator, Settings, Strategy};
@@ -17,33 +17,9 @@ const STRATEGIES: [Strategy; 4] = [
     Strategy::Mis,
 ];
 
-/// A floor, a tilted plate above it that casts shadows, and a small lamp.
+/// A floor, a tilted plate and a small lamp.
 fn stage() -> Scene {
-    let mut b = Builder::new();
-    let grey = b.material([0.7, 0.5, 0.3], [0.0; 3]);
-    let lamp = b.material([0.2; 3], [2.0, 1.0, 0.5]);
-    let floor = [
-        [-9.0, -1.0, 9.0],
-        [9.0, -1.0, 9.0],
-        [9.0, -1.0, -9.0],
-        [-9.0, -1.0, -9.0],
-    ];
-    let plate = [
-        [-1.0, -0.5, -3.0],
-        [0.5, -0.5, -3.0],
-        [0.5, 0.5, -4.0],
-        [-1.0, 0.5, -4.0],
-    ];
-    let panel = [
-        [0.8, 1.0, -3.0],
-        [0.8, 1.0, -4.0],
-        [1.6, 1.0, -4.0],
-        [1.6, 1.0, -3.0],
-    ];
-    b.quad(grey, floor);
-    b.quad(grey, plate);
-    b.quad(lamp, panel);
-    b.scene(camera_along_z([0.0; 3], -1.0, 0.7), 6, 6)
+    tilted_plate([2.0, 1.0, 0.5], 6)
 }
 
 fn light(kind: LightKind) -> Light {

@@ -2,8 +2,10 @@
 
 mod common;
 
-use common::picture::{by_reference, by_wave, independent, mean_by_wave, render};
-use common::scenes::{Builder, camera_along_z, pinhole};
+use common::picture::{
+    by_reference, by_wave, independent, mean_by_wave, same_bits_however_it_runs,
+};
+use common::scenes::{Builder, camera_along_z, pinhole, tilted_plate};
 use common::statistics::{ROUNDING, SIGNIFICANCE, assert_mean, same};
 use huygens::scene::material::Dielectric;
 use huygens::scene::{Bsdf, Fog, Light, LightKind, Medium, Scene, Sky};
@@ -50,33 +52,9 @@ fn light(kind: LightKind) -> Light {
     Light { name, kind }
 }
 
-/// A floor, a tilted plate above it that casts shadows, and a small lamp.
+/// A floor, a tilted plate and a small lamp.
 fn stage() -> Scene {
-    let mut b = Builder::new();
-    let grey = b.material([0.7, 0.5, 0.3], [0.0; 3]);
-    let lamp = b.material([0.2; 3], [8.0, 6.0, 4.0]);
-    let floor = [
-        [-9.0, -1.0, 9.0],
-        [9.0, -1.0, 9.0],
-        [9.0, -1.0, -9.0],
-        [-9.0, -1.0, -9.0],
-    ];
-    let plate = [
-        [-1.0, -0.5, -3.0],
-        [0.5, -0.5, -3.0],
-        [0.5, 0.5, -4.0],
-        [-1.0, 0.5, -4.0],
-    ];
-    let panel = [
-        [0.8, 1.0, -3.0],
-        [0.8, 1.0, -4.0],
-        [1.6, 1.0, -4.0],
-        [1.6, 1.0, -3.0],
-    ];
-    b.quad(grey, floor);
-    b.quad(grey, plate);
-    b.quad(lamp, panel);
-    b.scene(camera_along_z([0.0; 3], -1.0, 0.7), 5, 5)
+    tilted_plate([8.0, 6.0, 4.0], 5)
 }
 
 /// Strategies against the reference.
@@ -415,29 +393,7 @@ fn bits_do_not_depend_on_the_wave() {
         [-0.5, -0.9, -2.8],
         [0.1, -0.3, -2.2],
     );
-    for split in [vec![], vec![3, 2]] {
-        let base = Settings {
-            spp: 30,
-            split,
-            threads: 1,
-            wave: 4096,
-            ..Settings::default()
-        };
-        let bits = |settings: &Settings| -> Vec<[u32; 3]> {
-            let image = render(&scene, settings).0;
-            image.mean.iter().map(|p| p.map(f32::to_bits)).collect()
-        };
-        let whole = bits(&base);
-        for (threads, wave, tile) in [(3, 64, 2), (2, 8, 3), (1, 500, 16)] {
-            let settings = Settings {
-                threads,
-                wave,
-                tile,
-                ..base.clone()
-            };
-            assert!(bits(&settings) == whole, "{threads}, {wave}, {tile}");
-        }
-    }
+    same_bits_however_it_runs(&scene);
 }
 
 /// Branches have the mean of single paths, wherever in a medium they set out.

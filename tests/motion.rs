@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::picture::{by_reference, by_wave, independent, render};
+use common::picture::{by_reference, by_wave, independent, render, same_bits_however_it_runs};
 use common::scenes::{Builder, camera_along_z, pinhole};
 use common::statistics::{ROUNDING, SIGNIFICANCE, assert_mean, same};
 use glam::{DAffine3, DQuat, DVec3};
@@ -225,29 +225,7 @@ fn bits_do_not_depend_on_the_wave() {
         medium: 0,
         bounds: None,
     });
-    for split in [vec![], vec![3, 2]] {
-        let base = Settings {
-            spp: 30,
-            split,
-            threads: 1,
-            wave: 4096,
-            ..Settings::default()
-        };
-        let bits = |settings: &Settings| -> Vec<[u32; 3]> {
-            let image = render(&scene, settings).0;
-            image.mean.iter().map(|p| p.map(f32::to_bits)).collect()
-        };
-        let whole = bits(&base);
-        for (threads, wave, tile) in [(3, 64, 2), (2, 8, 3), (1, 500, 16)] {
-            let settings = Settings {
-                threads,
-                wave,
-                tile,
-                ..base.clone()
-            };
-            assert!(bits(&settings) == whole, "{threads}, {wave}, {tile}");
-        }
-    }
+    same_bits_however_it_runs(&scene);
 }
 
 /// Branches live at the moment of their path.

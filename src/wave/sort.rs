@@ -229,14 +229,20 @@ impl Lists {
         setup: &Setup,
         wanted: Wanted,
     ) {
-        match setup.medium_list {
-            None => self.sort_with::<false>(n, paths, hits, setup, wanted, 0),
-            Some(list) => self.sort_with::<true>(n, paths, hits, setup, wanted, list),
+        let triangles = &setup.tables.triangles;
+        let far = setup.routes.only.is_none() && prefetch::is_worth_it(triangles);
+        let (media, list) = (setup.medium_list.is_some(), setup.medium_list.unwrap_or(0));
+        match (media, far) {
+            (false, false) => self.sort_with::<false, false>(n, paths, hits, setup, wanted, list),
+            (false, true) => self.sort_with::<false, true>(n, paths, hits, setup, wanted, list),
+            (true, false) => self.sort_with::<true, false>(n, paths, hits, setup, wanted, list),
+            (true, true) => self.sort_with::<true, true>(n, paths, hits, setup, wanted, list),
         }
     }
 
     /// `MEDIA` where paths may have been scattered before they met anything: they go to list `medium`.
-    fn sort_with<const MEDIA: bool>(
+    /// `FAR` where materials are worth being asked for ahead.
+    fn sort_with<const MEDIA: bool, const FAR: bool>(
         &mut self,
         n: usize,
         paths: Paths,
@@ -248,7 +254,6 @@ impl Lists {
         let routes = &setup.routes;
         let triangles = &setup.tables.triangles;
         let primitives = &hits.primitive[..n];
-        let far = routes.only.is_none() && prefetch::is_worth_it(triangles);
         self.all().for_each(IndexList::clear);
         for_each_run(&paths.bounces[..n], |bounce, run| {
             for list in self.all() {
@@ -257,7 +262,7 @@ impl Lists {
             for i in run {
                 let light = !wanted.unsampled_only || paths.pdf[i] == bsdf::DELTA_PDF;
                 let primitive = primitives[i];
-                if far && let Some(&later) = primitives.get(i + AHEAD) {
+                if FAR && let Some(&later) = primitives.get(i + AHEAD) {
                     prefetch::ask_for(triangles.material, later);
                 }
                 if MEDIA && primitive == IN_MEDIUM {

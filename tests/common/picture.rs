@@ -180,3 +180,32 @@ impl From<&Running> for Mean {
         }
     }
 }
+
+/// The image of `scene` has the same bits for any number of threads, wave capacity and tile size, with
+/// branches and without.
+#[track_caller]
+pub(crate) fn same_bits_however_it_runs(scene: &Scene) {
+    for split in [vec![], vec![3, 2]] {
+        let base = Settings {
+            spp: 30,
+            split,
+            threads: 1,
+            wave: 4096,
+            ..Settings::default()
+        };
+        let bits = |settings: &Settings| -> Vec<[u32; 3]> {
+            let image = render(scene, settings).0;
+            image.mean.iter().map(|p| p.map(f32::to_bits)).collect()
+        };
+        let whole = bits(&base);
+        for (threads, wave, tile) in [(3, 64, 2), (2, 8, 3), (1, 500, 16)] {
+            let settings = Settings {
+                threads,
+                wave,
+                tile,
+                ..base.clone()
+            };
+            assert!(bits(&settings) == whole, "{threads}, {wave}, {tile}");
+        }
+    }
+}

@@ -319,3 +319,33 @@ pub(crate) fn floor_from_above(albedo: f32, mut b: Builder) -> Scene {
     };
     b.scene(camera, 2, 2)
 }
+
+/// A floor, a tilted plate above it that casts shadows, and a small lamp that emits `emission`; an image of
+/// `size` by `size`.
+pub(crate) fn tilted_plate(emission: [f32; 3], size: u32) -> Scene {
+    let mut b = Builder::new();
+    let grey = b.material([0.7, 0.5, 0.3], [0.0; 3]);
+    let lamp = b.material([0.2; 3], emission);
+    let floor = [
+        [-9.0, -1.0, 9.0],
+        [9.0, -1.0, 9.0],
+        [9.0, -1.0, -9.0],
+        [-9.0, -1.0, -9.0],
+    ];
+    let plate = [
+        [-1.0, -0.5, -3.0],
+        [0.5, -0.5, -3.0],
+        [0.5, 0.5, -4.0],
+        [-1.0, 0.5, -4.0],
+    ];
+    let panel = [
+        [0.8, 1.0, -3.0],
+        [0.8, 1.0, -4.0],
+        [1.6, 1.0, -4.0],
+        [1.6, 1.0, -3.0],
+    ];
+    b.quad(grey, floor);
+    b.quad(grey, plate);
+    b.quad(lamp, panel);
+    b.scene(camera_along_z([0.0; 3], -1.0, 0.7), size, size)
+}
