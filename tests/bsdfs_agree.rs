@@ -24,16 +24,7 @@ fn ball(bsdf: &Bsdf, compensation: bool) -> Scene {
     b.two_sided();
     let worn = b.surface(bsdf.clone());
     b.last().compensation = compensation;
-    let floor_at = |x: f32, z: f32| [x, -1.0, z];
-    b.quad(
-        floor,
-        [
-            floor_at(-9.0, 9.0),
-            floor_at(9.0, 9.0),
-            floor_at(9.0, -9.0),
-            floor_at(-9.0, -9.0),
-        ],
-    );
+    b.floor(floor);
     b.quad(
         lamp,
         [

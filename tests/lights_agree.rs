@@ -3,11 +3,10 @@
 
 mod common;
 
-use common::picture::{by_reference, by_wave, independent};
+use common::agreement::Agreement;
 use common::scenes::tilted_plate;
-use common::statistics::{SIGNIFICANCE, same};
 use huygens::scene::{Environment, Light, LightKind, Scene, Sky, Spot};
-use huygens::settings::{Integrator, Settings, Strategy};
+use huygens::settings::Strategy;
 use std::sync::Arc;
 
 const STRATEGIES: [Strategy; 4] = [
@@ -29,28 +28,13 @@ fn light(kind: LightKind) -> Light {
 
 /// `times` as many samples as most scenes need.
 fn assert_all_agree(scene: &Scene, times: u32) {
-    let settings = |integrator, strategy, spp| Settings {
-        integrator,
-        strategy,
-        spp,
-        max_depth: Some(3),
-        ..independent()
+    let agreement = Agreement {
+        strategies: &STRATEGIES,
+        reference: times * 16_384,
+        wave: times * 8192,
+        off: 1.03,
     };
-    let reference = Settings {
-        seed: 1,
-        ..settings(Integrator::Reference, Strategy::Cosine, times * 16_384)
-    };
-    let expected = by_reference(scene, &reference);
-    let level = SIGNIFICANCE / STRATEGIES.len() as f64;
-    for strategy in STRATEGIES {
-        let rendered = by_wave(scene, &settings(Integrator::Path, strategy, times * 8192));
-        same(&rendered, &expected, level)
-            .unwrap_or_else(|difference| panic!("{strategy:?}: {difference}"));
-        assert!(
-            same(&rendered.scaled(1.03), &expected, level).is_err(),
-            "{strategy:?}: 3% more passes too"
-        );
-    }
+    agreement.assert_of(scene);
 }
 
 /// A map of soft colours with one bright texel in it, dark below.

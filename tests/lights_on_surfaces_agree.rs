@@ -32,16 +32,7 @@ fn stage() -> Builder {
         ..Principled::default()
     })));
     let lamp = b.material([0.0; 3], [2.0, 1.5, 1.0]);
-    let floor_at = |x: f32, z: f32| [x, -1.0, z];
-    b.quad(
-        floor,
-        [
-            floor_at(-9.0, 9.0),
-            floor_at(9.0, 9.0),
-            floor_at(9.0, -9.0),
-            floor_at(-9.0, -9.0),
-        ],
-    );
+    b.floor(floor);
     b.quad(
         coated,
         [

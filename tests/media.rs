@@ -2,14 +2,13 @@
 
 mod common;
 
-use common::picture::{
-    by_reference, by_wave, independent, mean_by_wave, same_bits_however_it_runs,
-};
+use common::agreement::Agreement;
+use common::picture::{by_wave, independent, mean_by_wave, same_bits_however_it_runs};
 use common::scenes::{Builder, camera_along_z, pinhole, tilted_plate};
 use common::statistics::{ROUNDING, SIGNIFICANCE, assert_mean, same};
 use huygens::scene::material::Dielectric;
 use huygens::scene::{Bsdf, Fog, Light, LightKind, Medium, Scene, Sky};
-use huygens::settings::{Integrator, Settings, Strategy};
+use huygens::settings::{Settings, Strategy};
 use std::f64::consts::PI;
 
 const STRATEGIES: [Strategy; 4] = [
@@ -57,30 +56,15 @@ fn stage() -> Scene {
     tilted_plate([8.0, 6.0, 4.0], 5)
 }
 
-/// Strategies against the reference.
+/// Strategies against the reference, with `times` as many samples as most scenes need.
 fn assert_agree(scene: &Scene, strategies: &[Strategy], times: u32) {
-    let settings = |integrator, strategy, spp| Settings {
-        integrator,
-        strategy,
-        spp,
-        max_depth: Some(3),
-        ..independent()
+    let agreement = Agreement {
+        strategies,
+        reference: times * 16_384,
+        wave: times * 8192,
+        off: 1.1,
     };
-    let reference = Settings {
-        seed: 1,
-        ..settings(Integrator::Reference, Strategy::Cosine, times * 16_384)
-    };
-    let expected = by_reference(scene, &reference);
-    let level = SIGNIFICANCE / strategies.len() as f64;
-    for &strategy in strategies {
-        let rendered = by_wave(scene, &settings(Integrator::Path, strategy, times * 8192));
-        same(&rendered, &expected, level)
-            .unwrap_or_else(|difference| panic!("{strategy:?}: {difference}"));
-        assert!(
-            same(&rendered.scaled(1.1), &expected, level).is_err(),
-            "{strategy:?}: 10% more passes too"
-        );
-    }
+    agreement.assert_of(scene);
 }
 
 const COLOURED: [[f32; 3]; 2] = [[0.02, 0.05, 0.1], [0.15, 0.1, 0.05]];

@@ -3,8 +3,9 @@
 mod common;
 mod scene_folder;
 
-use common::picture::{by_reference, by_wave, independent};
-use common::statistics::{assert_mean, same};
+use common::agreement::{assert_images_agree, of_images};
+use common::picture::by_wave;
+use common::statistics::assert_mean;
 use huygens::scene::Scene;
 use huygens::settings::{Settings, Strategy};
 use image::{ImageBuffer, Rgb, Rgba};
@@ -51,32 +52,9 @@ fn sheets(material: &str) -> Scene {
     folder().scene_of(&text)
 }
 
-fn settings(strategy: Strategy) -> Settings {
-    Settings {
-        strategy,
-        spp: 1024,
-        max_depth: Some(3),
-        ..independent()
-    }
-}
-
-/// By every strategy, as the reference sees it.
-#[track_caller]
-fn assert_agrees(scene: &Scene) {
-    assert_eq!(scene.warnings, Vec::<String>::new());
-    let truth = by_reference(scene, &settings(Strategy::Cosine));
-    for strategy in [Strategy::Cosine, Strategy::Light, Strategy::Mis] {
-        let seen = by_wave(scene, &settings(strategy));
-        // Three pictures at 1e-5 together.
-        if let Err(what) = same(&seen, &truth, 1e-5 / 3.0) {
-            panic!("{strategy:?}: {what}");
-        }
-    }
-}
-
 #[test]
 fn masks() {
-    assert_agrees(&sheets(
+    assert_images_agree(&sheets(
         "albedo = { file = \"leaf.png\", scale = 2 }\n\
          alpha = { file = \"leaf.png\", scale = 2 }\nalpha_cutoff = 0.6",
     ));
@@ -84,7 +62,7 @@ fn masks() {
 
 #[test]
 fn partial_opacity() {
-    assert_agrees(&sheets(
+    assert_images_agree(&sheets(
         "albedo = [0.9, 0.5, 0.2]\nalpha = { file = \"veil.png\", wrap = \"mirror\", factor = 0.8 }",
     ));
 }
@@ -106,7 +84,7 @@ fn a_ray_passes_each_sheet_by_itself() {
          filter = \"box\"\n[sky]\nradiance = 1\n{sheets}"
     );
     let scene = folder().scene_of(&text);
-    let seen = by_wave(&scene, &settings(Strategy::Mis)).overall(0);
+    let seen = by_wave(&scene, &of_images(Strategy::Mis)).overall(0);
     let through = opacities.iter().map(|a| 1.0 - a).product();
     assert_mean("through the sheets", seen, through, 1);
 }
@@ -126,7 +104,7 @@ fn ways_there_and_back_are_two_events() {
     let scene = folder().scene_of(text);
     let straight = Settings {
         max_depth: Some(1),
-        ..settings(Strategy::Mis)
+        ..of_images(Strategy::Mis)
     };
     let seen = by_wave(&scene, &straight).overall(0);
     // Radiance albedo / pi * intensity / distance^2, through the sheet twice.

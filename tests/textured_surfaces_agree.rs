@@ -3,8 +3,8 @@
 mod common;
 mod scene_folder;
 
-use common::picture::{by_reference, by_wave, independent, render};
-use common::statistics::same;
+use common::agreement::assert_images_agree;
+use common::picture::{independent, render};
 use huygens::scene::Scene;
 use huygens::settings::{Integrator, Settings, Strategy};
 use image::{ImageBuffer, Rgb};
@@ -46,32 +46,9 @@ fn room(material: &str, shapes: &str) -> Scene {
     folder.with("s.toml", text).scene("s.toml")
 }
 
-fn settings(strategy: Strategy) -> Settings {
-    Settings {
-        strategy,
-        spp: 1024,
-        max_depth: Some(3),
-        ..independent()
-    }
-}
-
-/// By every strategy, as the reference sees it.
-#[track_caller]
-fn assert_agrees(scene: &Scene) {
-    assert_eq!(scene.warnings, Vec::<String>::new());
-    let truth = by_reference(scene, &settings(Strategy::Cosine));
-    for strategy in [Strategy::Cosine, Strategy::Light, Strategy::Mis] {
-        let seen = by_wave(scene, &settings(strategy));
-        // Three pictures at 1e-5 together.
-        if let Err(what) = same(&seen, &truth, 1e-5 / 3.0) {
-            panic!("{strategy:?}: {what}");
-        }
-    }
-}
-
 #[test]
 fn albedos() {
-    assert_agrees(&corner(
+    assert_images_agree(&corner(
         "albedo = { file = \"colours.png\", scale = [2, 1], rotate = 30, offset = [0.1, 0.3], \
          wrap = [\"mirror\", \"repeat\"], factor = [0.9, 0.8, 1] }",
     ));
@@ -80,7 +57,7 @@ fn albedos() {
 /// Nowhere so smooth that light sampled alone is found too rarely to tell.
 #[test]
 fn roughness_metal_and_glass_of_a_principled_surface() {
-    assert_agrees(&corner(
+    assert_images_agree(&corner(
         "kind = \"principled\"\nbase_color = { file = \"colours.png\" }\n\
          metallic = { file = \"colours.png\", channel = \"g\", scale = 0.5 }\n\
          roughness = { file = \"normals.png\", channel = \"g\", wrap = \"mirror\" }\n\
@@ -90,7 +67,7 @@ fn roughness_metal_and_glass_of_a_principled_surface() {
 
 #[test]
 fn shares_of_mixtures() {
-    assert_agrees(&corner(
+    assert_images_agree(&corner(
         "kind = \"mix\"\nmaterials = [\"red\", \"rough\"]\n\
          amount = { file = \"normals.png\", scale = 2, channel = \"g\" }\n\
          [materials.red]\nalbedo = [0.9, 0.1, 0.1]\n[materials.rough]\nalbedo = 0.6\nroughness = 0.8",
@@ -107,12 +84,12 @@ fn copies() {
          [[instances]]\nobject = \"tent\"\ntransform = [{ scale = [0.6, 1.4, 1] }]\n\
          [[instances]]\nobject = \"tent\"\ntransform = [{ scale = [-0.5, 1, 0.9] }, \
          { rotate = { axis = [0, 0, 1], degrees = 15 } }, { translate = [1.2, 0, 0.1] }]\n";
-    assert_agrees(&room(
+    assert_images_agree(&room(
         "albedo = { file = \"colours.png\" }\n\
          normal_map = { file = \"normals.png\", strength = 0.4 }",
         tent,
     ));
-    assert_agrees(&room(
+    assert_images_agree(&room(
         "albedo = 0.8\nbump_map = { file = \"heights.png\", strength = 0.06 }\n\
          alpha = { file = \"heights.png\", channel = \"r\" }\nalpha_cutoff = 0.2",
         tent,
@@ -123,12 +100,12 @@ fn copies() {
 fn spheres() {
     let ball =
         "[[shapes]]\nmaterial = \"m\"\nsphere = { center = [0.55, 0.35, 0.1], radius = 0.45 }\n";
-    assert_agrees(&room(
+    assert_images_agree(&room(
         "albedo = { file = \"colours.png\", scale = [2, 1] }\n\
          normal_map = { file = \"normals.png\", strength = 0.3, scale = [2, 1] }",
         ball,
     ));
-    assert_agrees(&room(
+    assert_images_agree(&room(
         "albedo = 0.8\nbump_map = { file = \"heights.png\", strength = 0.05, scale = 2 }",
         ball,
     ));
@@ -136,14 +113,14 @@ fn spheres() {
 
 #[test]
 fn normal_maps() {
-    assert_agrees(&corner(
+    assert_images_agree(&corner(
         "albedo = 0.7\nnormal_map = { file = \"normals.png\", scale = 1.5, strength = 0.8 }",
     ));
 }
 
 #[test]
 fn bump_maps() {
-    assert_agrees(&corner(
+    assert_images_agree(&corner(
         "albedo = { file = \"colours.png\" }\n\
          bump_map = { file = \"heights.png\", scale = 0.7, rotate = 70, strength = 0.12 }",
     ));

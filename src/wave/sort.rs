@@ -231,16 +231,15 @@ impl Lists {
     ) {
         let triangles = &setup.tables.triangles;
         let far = setup.routes.only.is_none() && prefetch::is_worth_it(triangles);
-        let (media, list) = (setup.medium_list.is_some(), setup.medium_list.unwrap_or(0));
-        match (media, far) {
-            (false, false) => self.sort_with::<false, false>(n, paths, hits, setup, wanted, list),
-            (false, true) => self.sort_with::<false, true>(n, paths, hits, setup, wanted, list),
-            (true, false) => self.sort_with::<true, false>(n, paths, hits, setup, wanted, list),
-            (true, true) => self.sort_with::<true, true>(n, paths, hits, setup, wanted, list),
+        match (setup.medium_list.is_some(), far) {
+            (false, false) => self.sort_with::<false, false>(n, paths, hits, setup, wanted),
+            (false, true) => self.sort_with::<false, true>(n, paths, hits, setup, wanted),
+            (true, false) => self.sort_with::<true, false>(n, paths, hits, setup, wanted),
+            (true, true) => self.sort_with::<true, true>(n, paths, hits, setup, wanted),
         }
     }
 
-    /// `MEDIA` where paths may have been scattered before they met anything: they go to list `medium`.
+    /// `MEDIA` where paths may have been scattered before they met anything: they go to a list of their own.
     /// `FAR` where materials are worth being asked for ahead.
     fn sort_with<const MEDIA: bool, const FAR: bool>(
         &mut self,
@@ -249,8 +248,8 @@ impl Lists {
         hits: PathHits,
         setup: &Setup,
         wanted: Wanted,
-        medium: usize,
     ) {
+        let medium = setup.medium_list.unwrap_or(0);
         let routes = &setup.routes;
         let triangles = &setup.tables.triangles;
         let primitives = &hits.primitive[..n];

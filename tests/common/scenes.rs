@@ -26,6 +26,15 @@ impl Builder {
         }
     }
 
+    /// A wide floor of `material` at a height of -1, its front above.
+    pub(crate) fn floor(&mut self, material: u32) {
+        let at = |x: f32, z: f32| [x, -1.0, z];
+        self.quad(
+            material,
+            [at(-9.0, 9.0), at(9.0, 9.0), at(9.0, -9.0), at(-9.0, -9.0)],
+        );
+    }
+
     /// A one-sided material; its index.
     pub(crate) fn material(&mut self, albedo: [f32; 3], emission: [f32; 3]) -> u32 {
         let name = format!("material {}", self.materials.len());
@@ -326,12 +335,6 @@ pub(crate) fn tilted_plate(emission: [f32; 3], size: u32) -> Scene {
     let mut b = Builder::new();
     let grey = b.material([0.7, 0.5, 0.3], [0.0; 3]);
     let lamp = b.material([0.2; 3], emission);
-    let floor = [
-        [-9.0, -1.0, 9.0],
-        [9.0, -1.0, 9.0],
-        [9.0, -1.0, -9.0],
-        [-9.0, -1.0, -9.0],
-    ];
     let plate = [
         [-1.0, -0.5, -3.0],
         [0.5, -0.5, -3.0],
@@ -344,7 +347,7 @@ pub(crate) fn tilted_plate(emission: [f32; 3], size: u32) -> Scene {
         [1.6, 1.0, -4.0],
         [1.6, 1.0, -3.0],
     ];
-    b.quad(grey, floor);
+    b.floor(grey);
     b.quad(grey, plate);
     b.quad(lamp, panel);
     b.scene(camera_along_z([0.0; 3], -1.0, 0.7), size, size)
