@@ -352,7 +352,7 @@ mod tests {
         let mesh = sheet(40);
         let geometry = Geometry::build(&mesh);
         let mut seen = vec![0; mesh.triangles()];
-        for block in &geometry.layout.blocks {
+        for block in &geometry.layout.blocks[..] {
             let mut lanes = block.primitive.to_array().to_vec();
             lanes.dedup();
             lanes.iter().for_each(|&i| seen[i as usize] += 1);

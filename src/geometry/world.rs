@@ -198,8 +198,8 @@ impl Rooted {
             }
             node
         };
-        all.nodes.extend(tree.nodes.into_iter().map(moved));
-        all.blocks.extend(tree.blocks);
+        all.nodes.extend(tree.nodes.iter().copied().map(moved));
+        all.blocks.extend(tree.blocks.iter().copied());
         all.triangles += tree.triangles;
         all.depth = all.depth.max(tree.depth);
         Self { root, aabb }
