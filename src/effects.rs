@@ -10,6 +10,7 @@ pub(crate) use shader::polished;
 
 use crate::scene::{Light, Material, Mesh, Projection, Scene, Sky};
 use crate::settings::{Integrator, LightSelection, Settings, Strategy};
+use huygens_kernels::bare::COMPLETE;
 use serde::Serialize;
 
 /// One effect.
@@ -223,6 +224,25 @@ impl Effects {
             self.add("normal maps", material(m));
         }
         self.textured = textured;
+    }
+}
+
+/// All that there is in a build with the feature `bare`.
+const BARE: [&str; 6] = [
+    "sky",
+    "emissive triangles",
+    "plain diffuse",
+    "roulette",
+    "next-event estimation",
+    "light tree",
+];
+
+impl Effects {
+    /// The first effect that this build leaves out (see [`huygens_kernels::bare`]), if there is one.
+    #[must_use]
+    pub fn left_out(&self) -> Option<&Effect> {
+        let missing = |effect: &&Effect| !COMPLETE && !BARE.contains(&effect.name);
+        self.list.iter().find(missing)
     }
 }
 

@@ -3,13 +3,19 @@
 
 use super::compiled::Scene;
 use super::material::{Bsdf, Material};
-use crate::effects::polished;
+use crate::effects::{Effects, polished};
 
 impl Scene {
     /// Why the scene cannot be rendered as it is meant, if so: what the first surface to blame asks
     /// for.
     #[must_use]
     pub fn unsupported(&self) -> Option<String> {
+        if let Some(effect) = Effects::of(self, &self.settings).left_out() {
+            return Some(format!(
+                "calls for `{}` ({}), which this build leaves out: it has the feature `bare`",
+                effect.name, effect.reason
+            ));
+        }
         self.spheres.iter().find_map(|sphere| {
             let m = &self.materials[sphere.material as usize];
             let what = if m.alpha.is_some() {

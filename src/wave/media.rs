@@ -9,6 +9,7 @@ use super::sampling::{AnySampler, with_sampler};
 use super::shade::Program;
 use super::tally::Tally;
 use crate::scene::{Bsdf, Scene};
+use huygens_kernels::bare::called_for;
 use huygens_kernels::medium::{self, CLEAR, Media, TRAVEL, UNCHANGED, travel};
 use huygens_kernels::queues::{Listed, PathsMut, ShadowsMut, Surfaces};
 use huygens_kernels::scatter::medium::scatter;
@@ -90,7 +91,10 @@ impl MediaTables {
 impl Wave<'_> {
     /// Takes paths through their media, up to what they met.
     pub(super) fn travel(&mut self) {
-        let (Some(medium), Some(media)) = (self.extras.mediums(), &self.setup.tables.media) else {
+        let (Some(medium), Some(media)) = (
+            self.extras.mediums(),
+            called_for(self.setup.tables.media.as_ref()),
+        ) else {
             return;
         };
         let n = self.paths.len();

@@ -16,6 +16,7 @@ use crate::effects::{Effects, Shader};
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::settings::{Integrator, Settings};
+use huygens_kernels::bare::called_for;
 use huygens_kernels::camera::Lens;
 use huygens_kernels::motion::CameraMotion;
 use huygens_kernels::opacity::Opacities;
@@ -67,6 +68,7 @@ impl<'a> Setup<'a> {
         settings: &Settings,
         filter: &'a [f32],
     ) -> Self {
+        assert_eq!(effects.left_out(), None, "a bare build");
         let tenth = 0.1 * tables::diagonal(scene) as f32;
         let program = Program::new(
             settings.integrator,
@@ -179,8 +181,8 @@ impl Setup<'_> {
     pub(crate) fn obstacles<'b>(&'b self, times: Option<&'b [f32]>) -> Obstacles<'b> {
         Obstacles {
             geometry: self.geometry,
-            opacities: self.opacities.as_ref(),
-            times,
+            opacities: called_for(self.opacities.as_ref()),
+            times: called_for(times),
         }
     }
 
