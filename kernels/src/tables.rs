@@ -10,7 +10,7 @@ use crate::others::Others;
 use crate::vec3::{Columns, Vec3x};
 
 /// Most parameters that a kind of BSDF has.
-pub const SLOTS: usize = 20;
+pub const SLOTS: usize = 21;
 
 /// All that shading reads. See each member for its lengths.
 #[derive(Clone, Copy, Debug, Default)]

@@ -177,6 +177,10 @@ pub struct Principled {
     pub transmission: Textured<f32>,
     /// Whether what is refracted leaves at once, as through a pane.
     pub thin: bool,
+    /// How the index varies over the spectrum, where light passes. None: not at all.
+    pub dispersion: Option<Cauchy>,
+    /// Index of the medium inside, where light passes.
+    pub interior: Option<u32>,
     /// Strength of the clear coat, 0..=1.
     pub clearcoat: Textured<f32>,
     /// Its roughness, 0..=1.
@@ -199,6 +203,8 @@ impl Default for Principled {
             specular_color: [1.0; 3].into(),
             transmission: 0.0.into(),
             thin: false,
+            dispersion: None,
+            interior: None,
             clearcoat: 0.0.into(),
             clearcoat_roughness: 0.0.into(),
             sheen_color: [0.0; 3].into(),
@@ -231,6 +237,21 @@ impl Dielectric {
     }
 }
 
+impl Principled {
+    /// Whether light passes.
+    #[must_use]
+    pub fn passes(&self) -> bool {
+        let metal = self.metallic.texture.is_none() && self.metallic.factor >= 1.0;
+        self.transmission.factor > 0.0 && !metal
+    }
+
+    /// As [`Dielectric::disperses`].
+    #[must_use]
+    pub fn disperses(&self) -> bool {
+        self.dispersion.is_some() && !self.thin && self.passes()
+    }
+}
+
 impl Material {
     /// A Lambertian surface that emits `emission` to its front.
     pub fn diffuse(name: impl Into<String>, reflectance: [f32; 3], emission: [f32; 3]) -> Self {
@@ -245,6 +266,26 @@ impl Material {
             alpha: None,
             normal_map: None,
             compensation: true,
+        }
+    }
+
+    /// Index of the medium behind its surfaces, where light comes there at all.
+    #[must_use]
+    pub fn interior(&self) -> Option<u32> {
+        match &self.bsdf {
+            Bsdf::Dielectric(glass) => glass.interior,
+            Bsdf::Principled(p) => p.interior.filter(|_| p.passes()),
+            _ => None,
+        }
+    }
+
+    /// Whether its index of refraction varies over the spectrum, and matters.
+    #[must_use]
+    pub fn disperses(&self) -> bool {
+        match &self.bsdf {
+            Bsdf::Dielectric(glass) => glass.disperses(),
+            Bsdf::Principled(p) => p.disperses(),
+            _ => false,
         }
     }
 

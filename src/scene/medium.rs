@@ -1,7 +1,6 @@
 //! Media: what fills the space outside of all glass, or inside of some.
 
 use super::compiled::Scene;
-use super::material::Bsdf;
 
 /// A homogeneous medium.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,11 +42,9 @@ impl Scene {
             .iter()
             .map(|fog| (fog.medium, "the scene's `fog`".to_owned()));
         let worn = self.materials.iter().zip(self.worn());
-        let inside = worn.filter_map(|(m, worn)| match &m.bsdf {
-            Bsdf::Dielectric(glass) if worn => {
-                Some((glass.interior?, format!("material `{}`", m.name)))
-            }
-            _ => None,
+        let inside = worn.filter(|(_, worn)| *worn).filter_map(|(m, _)| {
+            let reason = || format!("material `{}`", m.name);
+            m.interior().map(|i| (i, reason()))
         });
         fog.chain(inside)
             .map(|(i, reason)| (&self.media[i as usize], reason))

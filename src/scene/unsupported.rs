@@ -46,11 +46,13 @@ impl Scene {
 
 /// What a material has that the reference tracer does not know.
 fn unknown(material: &Material) -> Option<&'static str> {
+    let again = material.disperses() && material.compensation;
     match &material.bsdf {
-        Bsdf::Dielectric(glass) if glass.disperses() && !polished(&glass.roughness) => {
-            Some("dispersion and roughness")
+        // Albedos by quadrature, for every sample's wavelength anew.
+        Bsdf::Dielectric(glass) if !polished(&glass.roughness) => {
+            again.then_some("dispersion and roughness, with compensation")
         }
-        Bsdf::Dielectric(glass) if glass.interior.is_some() => Some("a medium inside"),
+        Bsdf::Principled(_) => again.then_some("dispersion, with compensation"),
         Bsdf::Conductor { roughness, .. } if roughness.texture.is_some() => material
             .compensation
             .then_some("a metal's textured roughness, with compensation"),

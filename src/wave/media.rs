@@ -50,9 +50,8 @@ impl MediaTables {
         }
         let interior = |m: &crate::scene::Material| match &m.bsdf {
             Bsdf::Dielectric(glass) if glass.thin => UNCHANGED,
-            Bsdf::Dielectric(glass) => glass.interior.map_or(CLEAR, row_of),
             Bsdf::Principled(p) if p.thin => UNCHANGED,
-            _ => CLEAR,
+            _ => m.interior().map_or(CLEAR, row_of),
         };
         tables.interior = scene.materials.iter().map(interior).collect();
         tables

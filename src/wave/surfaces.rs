@@ -139,9 +139,14 @@ impl Surfaces {
             Shader::RoughDispersive => {
                 with::<kinds::RoughDielectric<true>>(program, rows, materials, out);
             }
-            Shader::Principled => with::<kinds::Principled<false>>(program, rows, materials, out),
+            Shader::Principled => {
+                with::<kinds::Principled<false, false>>(program, rows, materials, out)
+            }
             Shader::PrincipledGlass => {
-                with::<kinds::Principled<true>>(program, rows, materials, out);
+                with::<kinds::Principled<true, false>>(program, rows, materials, out);
+            }
+            Shader::PrincipledDispersive => {
+                with::<kinds::Principled<true, true>>(program, rows, materials, out);
             }
         }
     }
