@@ -34,6 +34,8 @@ pub struct Effects {
     pub textured: Vec<Shader>,
     /// Whether some surfaces are not wholly there.
     pub opacity: bool,
+    /// The shader of which some surfaces are brushed along their texture coordinates.
+    pub aligned: Option<Shader>,
     /// Whether surfaces emit that do not emit the same all over.
     pub varying_emission: bool,
     /// Whether normal or bump maps bend shading normals.
@@ -189,6 +191,10 @@ impl Effects {
         }
         if transport {
             self.images(scene, worn);
+        }
+        if let Some(brushed) = scene.is_brushed().filter(|_| transport) {
+            self.aligned = Some(Shader::RoughConductor);
+            self.add("anisotropy along u", material(brushed));
         }
         if let Some(i) = smooth.iter().position(|&s| s).filter(|_| transport) {
             self.add("shading normals", material(&scene.materials[i]));

@@ -462,6 +462,46 @@ fn milk_in_a_principled_surface_agrees_with_the_reference() {
     assert_jar_agrees(bsdf, milk);
 }
 
+/// Glass in glass: a drop of milk in tea, whose surface says what lies before it.
+#[test]
+fn a_drop_in_tea_agrees_with_the_reference() {
+    let tea = medium([0.2, 0.5, 0.9], [0.1; 3], 0.2);
+    let mut scene = jar(glass(1.4, 0.0, Some(1)), tea);
+    let milk = medium([0.05, 0.1, 0.2], [2.0, 2.5, 3.0], 0.3);
+    scene.media.push(milk);
+    let mut drop = scene.materials[2].clone();
+    drop.bsdf = Bsdf::Dielectric(Box::new(Dielectric {
+        ior: 0.95,
+        interior: Some(2),
+        exterior: Some(1),
+        ..Dielectric::default()
+    }));
+    scene.materials.push(drop);
+    let within = scene.spheres[0];
+    scene.spheres.push(huygens::scene::Sphere {
+        radius: 0.5,
+        material: 3,
+        ..within
+    });
+    let settings = |strategy, seed| Settings {
+        strategy,
+        seed,
+        spp: 16_384,
+        max_depth: Some(8),
+        ..independent()
+    };
+    let expected = by_reference(&scene, &settings(Strategy::Cosine, 1));
+    let found = by_wave(&scene, &settings(Strategy::Mis, 2));
+    same(&found, &expected, SIGNIFICANCE).unwrap();
+    // Without a word of what lies before it, light that leaves the drop is out in the fog.
+    let Bsdf::Dielectric(glass) = &mut scene.materials[3].bsdf else {
+        panic!("no glass");
+    };
+    glass.exterior = None;
+    let out = by_wave(&scene, &settings(Strategy::Mis, 2));
+    assert!(same(&out, &expected, SIGNIFICANCE).is_err());
+}
+
 #[test]
 fn bits_do_not_depend_on_the_wave() {
     let mut scene = stage();

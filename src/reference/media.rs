@@ -34,7 +34,7 @@ impl Within {
         match (thin, front) {
             (true, _) => self,
             (false, true) => material.interior().map_or(Self::Clear, Self::Filled),
-            (false, false) => Self::Outside,
+            (false, false) => material.exterior().map_or(Self::Outside, Self::Filled),
         }
     }
 }

@@ -125,7 +125,7 @@ impl Reference<'_> {
         }
         let normal = if front { outside } else { -outside };
         let shading = point.towards(front, normal, -ray.direction);
-        let frame = Frame::about(shading);
+        let frame = Frame::about(shading, point.along);
         let omega_o = frame.local(-ray.direction);
         let bsdf = self.materials[part as usize].bsdf(&read, omega_o, front);
         // What becomes of light where triangles are dark, and on the wrong side of either normal.

@@ -154,6 +154,8 @@ pub struct Dielectric {
     pub dispersion: Option<Cauchy>,
     /// Index of the medium inside.
     pub interior: Option<u32>,
+    /// Index of the medium outside, of glass that lies in other glass. None: what is outside of all.
+    pub exterior: Option<u32>,
 }
 
 /// See [`Bsdf::Principled`]. The members are those of glTF 2.0 and the extensions KHR_materials_ior,
@@ -181,6 +183,8 @@ pub struct Principled {
     pub dispersion: Option<Cauchy>,
     /// Index of the medium inside, where light passes.
     pub interior: Option<u32>,
+    /// As [`Dielectric::exterior`], where light passes.
+    pub exterior: Option<u32>,
     /// Strength of the clear coat, 0..=1.
     pub clearcoat: Textured<f32>,
     /// Its roughness, 0..=1.
@@ -205,6 +209,7 @@ impl Default for Principled {
             thin: false,
             dispersion: None,
             interior: None,
+            exterior: None,
             clearcoat: 0.0.into(),
             clearcoat_roughness: 0.0.into(),
             sheen_color: [0.0; 3].into(),
@@ -224,6 +229,7 @@ impl Default for Dielectric {
             transmission_tint: [1.0; 3].into(),
             dispersion: None,
             interior: None,
+            exterior: None,
         }
     }
 }
@@ -275,6 +281,16 @@ impl Material {
         match &self.bsdf {
             Bsdf::Dielectric(glass) => glass.interior,
             Bsdf::Principled(p) => p.interior.filter(|_| p.passes()),
+            _ => None,
+        }
+    }
+
+    /// Index of the medium before its surfaces, where it is not what lies outside of all glass.
+    #[must_use]
+    pub fn exterior(&self) -> Option<u32> {
+        match &self.bsdf {
+            Bsdf::Dielectric(glass) => glass.exterior,
+            Bsdf::Principled(p) => p.exterior.filter(|_| p.passes()),
             _ => None,
         }
     }

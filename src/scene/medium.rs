@@ -42,11 +42,11 @@ impl Scene {
             .iter()
             .map(|fog| (fog.medium, "the scene's `fog`".to_owned()));
         let worn = self.materials.iter().zip(self.worn());
-        let inside = worn.filter(|(_, worn)| *worn).filter_map(|(m, _)| {
-            let reason = || format!("material `{}`", m.name);
-            m.interior().map(|i| (i, reason()))
+        let beside = worn.filter(|(_, worn)| *worn).flat_map(|(m, _)| {
+            let both = [m.interior(), m.exterior()].into_iter().flatten();
+            both.map(|i| (i, format!("material `{}`", m.name)))
         });
-        fog.chain(inside)
+        fog.chain(beside)
             .map(|(i, reason)| (&self.media[i as usize], reason))
     }
 }

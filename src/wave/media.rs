@@ -10,14 +10,14 @@ use super::shade::Program;
 use super::tally::Tally;
 use crate::scene::{Bsdf, Scene};
 use huygens_kernels::bare::called_for;
-use huygens_kernels::medium::{self, CLEAR, Media, TRAVEL, UNCHANGED, travel};
+use huygens_kernels::medium::{self, CLEAR, Media, OUTSIDE, TRAVEL, UNCHANGED, travel};
 use huygens_kernels::queues::{Listed, PathsMut, ShadowsMut, Surfaces};
 use huygens_kernels::scatter::medium::scatter;
 use huygens_kernels::scatter::{LightsAlone, LightsWeighted, NoLights, Out};
 use huygens_kernels::tables::Tables;
 use std::ops::Range;
 
-/// The tables of a scene's media: rows [`medium::OUTSIDE`] and [`CLEAR`], then the scene's own.
+/// The tables of a scene's media: rows [`OUTSIDE`] and [`CLEAR`], then the scene's own.
 #[derive(Debug, Default)]
 pub(crate) struct MediaTables {
     extinction: [Vec<f32>; 3],
@@ -26,6 +26,7 @@ pub(crate) struct MediaTables {
     g: Vec<f32>,
     bounds: [[f32; 3]; 2],
     interior: Vec<u32>,
+    exterior: Vec<u32>,
 }
 
 /// The row of a scene's medium number `i`.
@@ -54,6 +55,8 @@ impl MediaTables {
             _ => m.interior().map_or(CLEAR, row_of),
         };
         tables.interior = scene.materials.iter().map(interior).collect();
+        let exterior = |m: &crate::scene::Material| m.exterior().map_or(OUTSIDE, row_of);
+        tables.exterior = scene.materials.iter().map(exterior).collect();
         tables
     }
 
@@ -83,6 +86,7 @@ impl MediaTables {
             g: &self.g,
             bounds: self.bounds,
             interior: &self.interior,
+            exterior: &self.exterior,
         }
     }
 }

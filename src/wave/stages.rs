@@ -18,6 +18,7 @@ use huygens_kernels::emission::{SKY, SURFACE, UNOCCLUDED};
 use huygens_kernels::light::{VARIED, vary};
 use huygens_kernels::queues::{Listed, PathHitsMut, PathsMut};
 use huygens_kernels::rays::{CLOSEST, OCCLUSION};
+use huygens_kernels::scatter::align::ALIGN;
 use huygens_kernels::scatter::disperse::{DISPERSE, disperse};
 use huygens_kernels::scatter::interact::INTERACT;
 use huygens_kernels::scatter::light_up::LIGHT_UP;
@@ -178,6 +179,10 @@ impl Wave<'_> {
                     if let Some(layout) = textured {
                         surfaces.texture(listed, tables, layout);
                         account.book(Stage::Texture, tally, tally, TEXTURE * list.len());
+                    }
+                    if setup.aligned == Some(shader) {
+                        surfaces.align(listed, tables);
+                        account.book(Stage::Align, tally, tally, ALIGN * list.len());
                     }
                     if setup.lights(shader) {
                         surfaces.light_up(shader, tables);

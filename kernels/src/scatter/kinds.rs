@@ -135,6 +135,7 @@ impl Kind for SmoothConductor {
 impl Kind for RoughConductor {
     type Bsdf = Tinted<bsdf::RoughConductor<'static>>;
     const DELTA: bool = false;
+    const ALIGNED: bool = true;
     #[inline(always)]
     fn load(parameters: Parameters, _front: Mask) -> Self::Bsdf {
         let roughness = parameters.number(9);

@@ -205,6 +205,7 @@ impl Compiler<'_, '_> {
 
     fn dielectric(&mut self, m: &said::Material) -> Result<Dielectric, SceneError> {
         let (ior, dispersion) = glass::index(self.file, m, Dielectric::default().ior)?;
+        let [interior, exterior] = glass::beside(self.file, self.media, m)?;
         Ok(Dielectric {
             ior,
             roughness: self.images.roughness(&m.roughness, 0.0)?,
@@ -212,14 +213,15 @@ impl Compiler<'_, '_> {
             reflection_tint: self.images.value(&m.reflection_tint, [1.0; 3])?,
             transmission_tint: self.images.value(&m.transmission_tint, [1.0; 3])?,
             dispersion,
-            interior: glass::interior(self.file, self.media, m)?,
+            interior,
+            exterior,
         })
     }
 
     fn principled(&mut self, m: &said::Material) -> Result<Principled, SceneError> {
         let default = Principled::default();
         let (ior, dispersion) = glass::index(self.file, m, default.ior)?;
-        let interior = glass::interior(self.file, self.media, m)?;
+        let [interior, exterior] = glass::beside(self.file, self.media, m)?;
         let images = &mut *self.images;
         let principled = Principled {
             base_color: images.value(&m.base_color, default.base_color.factor)?,
@@ -232,6 +234,7 @@ impl Compiler<'_, '_> {
             thin: m.thin.as_ref().is_some_and(|x| *x.get_ref()),
             dispersion,
             interior,
+            exterior,
             clearcoat: images.value(&m.clearcoat, 0.0)?,
             clearcoat_roughness: images.roughness(&m.clearcoat_roughness, 0.0)?,
             sheen_color: images.value(&m.sheen_color, [0.0; 3])?,
@@ -306,6 +309,7 @@ fn nothing_needless(file: &SceneFile, m: &said::Material, kind: Kind) -> Result<
         cauchy: [Dielectric, Principled],
         sellmeier: [Dielectric, Principled],
         interior: [Dielectric, Principled],
+        exterior: [Dielectric, Principled],
         base_color: [Principled],
         metallic: [Principled],
         specular: [Principled],

@@ -103,8 +103,11 @@ pub(super) fn fits(
         let message = format!("found {found:?}, expected a number of at least 1");
         return Err(file.error(ior.span(), message));
     }
-    let inside = ("interior", m.interior.as_ref().map(Spanned::span));
-    let mut said = ways(m).into_iter().chain([inside]);
+    let beside = [
+        ("interior", m.interior.as_ref().map(Spanned::span)),
+        ("exterior", m.exterior.as_ref().map(Spanned::span)),
+    ];
+    let mut said = ways(m).into_iter().chain(beside);
     if !principled.passes()
         && let Some((key, Some(span))) = said.find(|(_, span)| span.is_some())
     {
@@ -160,21 +163,24 @@ fn sellmeier(file: &SceneFile, said: &Spanned<[[Finite; 3]; 2]>) -> Result<Cauch
     Ok(Cauchy::through(|l| squared(l).sqrt()))
 }
 
-/// The medium inside, by its place among `media`.
+/// The media inside and outside, by their places among `media`.
 ///
 /// # Errors
-/// A medium that is not there, and one inside of a pane.
-pub(super) fn interior(
+/// A medium that is not there, and one beside a pane.
+pub(super) fn beside(
     file: &SceneFile,
     media: &[&str],
     m: &said::Material,
-) -> Result<Option<u32>, SceneError> {
-    let Some(name) = &m.interior else {
-        return Ok(None);
-    };
-    if m.thin.as_ref().is_some_and(|thin| *thin.get_ref()) {
-        let message = "found in a `thin` pane, which has no inside";
-        return Err(file.error(name.span(), message));
+) -> Result<[Option<u32>; 2], SceneError> {
+    let thin = m.thin.as_ref().is_some_and(|thin| *thin.get_ref());
+    let mut found = [None; 2];
+    for (found, name) in found.iter_mut().zip([&m.interior, &m.exterior]) {
+        let Some(name) = name else { continue };
+        if thin {
+            let message = "found in a `thin` pane, which has no inside";
+            return Err(file.error(name.span(), message));
+        }
+        *found = Some(named(file, media, name)?);
     }
-    named(file, media, name).map(Some)
+    Ok(found)
 }

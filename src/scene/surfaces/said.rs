@@ -36,6 +36,7 @@ pub(in crate::scene) struct Material {
     pub(super) cauchy: Option<Spanned<TwoOrThree>>,
     pub(super) sellmeier: Option<Spanned<[[Finite; 3]; 2]>>,
     pub(super) interior: Option<Spanned<String>>,
+    pub(super) exterior: Option<Spanned<String>>,
     pub(super) base_color: Option<Spanned<Value<OneOrThree<Unit>>>>,
     pub(super) metallic: Option<Spanned<Value<Unit>>>,
     pub(super) specular: Option<Spanned<Value<Unit>>>,
