@@ -17,14 +17,14 @@
 //! [`Settings::depth_limit`] times, and 0 shows emission only; a surface emits from its front, from
 //! both sides if its material says so; surfaces scatter as their materials say (`bsdf`), with the
 //! shading normals, images and masks that materials and meshes ask for (`surface`); a ray that meets
-//! nothing sees the sky. Fog it knows (`fog`); media inside of glass it does not. Where something moves
+//! nothing sees the sky. Media it knows (`media`), outside of glass and inside. Where something moves
 //! or disperses light, every sample is that of a scene frozen at one moment, in light of one wavelength.
 
 mod bsdf;
 mod camera;
 mod carried;
-mod fog;
 mod lights;
+mod media;
 mod path;
 mod random;
 mod sphere;
@@ -36,9 +36,9 @@ use crate::film::{Job, SampleBuffer};
 use crate::scene::Scene;
 use crate::settings::{Settings, Strategy};
 use bsdf::Worn;
-use fog::Fog;
 use glam::DVec3;
 use lights::Lights;
+use media::{Media, Within};
 use rand_pcg::rand_core::Rng;
 use random::{filter_offset, generator, uniform};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -49,7 +49,7 @@ use world::{Ray, World};
 pub struct Reference<'a> {
     world: World<'a>,
     lights: Lights<'a>,
-    fog: Option<Fog>,
+    media: Media,
     materials: Vec<Worn<'a>>,
     manner: Manner,
     emitters: Vec<usize>,
@@ -92,8 +92,10 @@ impl<'a> Reference<'a> {
             roulette: false,
             ..settings.clone()
         };
+        let materials = scene.materials.iter().map(Worn::new).collect();
         Self::of(
             scene,
+            materials,
             Manner {
                 seed: settings.seed,
                 max_depth: unbounded.depth_limit().min(Self::DEEPEST),
@@ -103,14 +105,14 @@ impl<'a> Reference<'a> {
         )
     }
 
-    fn of(scene: &'a Scene, manner: Manner) -> Self {
+    fn of(scene: &'a Scene, materials: Vec<Worn<'a>>, manner: Manner) -> Self {
         let world = World::new(scene);
         Self {
             emitters: world.emitters(),
             world,
             lights: Lights::new(scene),
-            fog: Fog::new(scene),
-            materials: scene.materials.iter().map(Worn::new).collect(),
+            media: Media::new(scene),
+            materials,
             manner,
         }
     }
@@ -128,6 +130,7 @@ impl<'a> Reference<'a> {
             origin: origin.into(),
             direction: direction.into(),
             leaves: None,
+            within: Within::Outside,
         };
         self.radiance(rng, &ray, depth, false).into()
     }
@@ -177,7 +180,9 @@ impl<'a> Reference<'a> {
             weight = drawn.weight;
         }
         let ray = camera::ray(&now, x, y, &mut rng);
-        let now = Reference::of(&now, self.manner);
+        let worn = self.materials.iter().zip(&now.materials);
+        let materials = worn.map(|(worn, m)| worn.at(m)).collect();
+        let now = Reference::of(&now, materials, self.manner);
         (weight * now.radiance(&mut rng, &ray, 0, false)).into()
     }
 }

@@ -20,6 +20,7 @@ use crate::scene::{Mesh, Motion, Scene};
 pub use crate::settings::Preset;
 use build::Binary;
 use collapse::Collapse;
+use huygens_kernels::bare::COMPLETE;
 use huygens_kernels::bvh::{Block, Bvh, Node};
 use huygens_kernels::few::Triangle;
 use huygens_kernels::instance::{Guide, Instance};
@@ -116,7 +117,7 @@ impl Geometry {
 
     /// Closest hit of each ray.
     pub fn closest(&self, rays: Rays, hits: Hits) {
-        if self.world.is_some() {
+        if COMPLETE && self.world.is_some() {
             self.closest_where(&Everything, rays, hits);
         } else if self.few.triangles.is_empty() {
             packet::closest(self.bvh(), rays, hits);
@@ -127,7 +128,7 @@ impl Geometry {
 
     /// For each segment: 1 if something lies on it, 0 if its ends see each other.
     pub fn occluded(&self, segments: Segments, occluded: &mut [u32]) {
-        if self.world.is_some() {
+        if COMPLETE && self.world.is_some() {
             self.occluded_where(&Everything, segments, occluded);
         } else if self.few.triangles.is_empty() {
             many::occluded(self.bvh(), segments, occluded);

@@ -2,7 +2,7 @@
 
 use super::Reference;
 use super::bsdf::Reader;
-use super::fog::{Fog, anywhere};
+use super::media::{Medium, Within, anywhere};
 use super::random::uniform;
 use super::surface::Frame;
 use super::world::{Hit, Ray};
@@ -10,6 +10,28 @@ use crate::scene::Bsdf;
 use glam::DVec3;
 use rand_pcg::rand_core::Rng;
 use std::f64::consts::PI;
+
+/// Where rays set out: from a surface, or in a medium.
+struct Start {
+    origin: DVec3,
+    leaves: Option<usize>,
+    /// The surface's unit normal on the near side.
+    normal: DVec3,
+    /// What is on the near side, and what behind.
+    sides: [Within; 2],
+}
+
+impl Start {
+    fn ray(&self, direction: DVec3) -> Ray {
+        let behind = self.normal.dot(direction) < 0.0;
+        Ray {
+            origin: self.origin,
+            direction,
+            leaves: self.leaves,
+            within: self.sides[usize::from(behind)],
+        }
+    }
+}
 
 /// Where a path goes on, and what it sees there is multiplied with.
 struct Next {
@@ -23,36 +45,44 @@ impl Reference<'_> {
     /// What `ray` sees; `lit` if what surfaces emit is not to be seen.
     pub(super) fn radiance(&self, rng: &mut impl Rng, ray: &Ray, depth: u32, lit: bool) -> DVec3 {
         let hit = self.world.closest(rng, ray);
-        let Some(fog) = &self.fog else {
+        let Some(medium) = self.media.of(ray) else {
             return self.met(rng, ray, hit, depth, lit);
         };
         let way = hit.as_ref().map_or(f64::INFINITY, |hit| hit.t);
-        match fog.travel(rng, ray, way) {
+        match medium.travel(rng, ray, way) {
             (None, left) => left * self.met(rng, ray, hit, depth, lit),
             (Some(_), _) if depth >= self.manner.max_depth => DVec3::ZERO,
-            (Some(t), weight) => weight * self.in_fog(rng, fog, ray, t, depth),
+            (Some(t), weight) => weight * self.in_medium(rng, medium, ray, t, depth),
         }
     }
 
-    /// What is seen of the fog where it scatters light, `t` along a ray.
-    fn in_fog(&self, rng: &mut impl Rng, fog: &Fog, ray: &Ray, t: f64, depth: u32) -> DVec3 {
-        let origin = ray.origin + t * ray.direction;
-        let phase = |to: DVec3| fog.phase(ray.direction.dot(to));
-        let delta = self.delta_lights(rng, origin, |to| DVec3::splat(phase(to)), None);
-        let direction = anywhere(rng);
-        let next = Ray {
-            origin,
-            direction,
+    /// What is seen of a medium where it scatters light, `t` along a ray.
+    fn in_medium(
+        &self,
+        rng: &mut impl Rng,
+        medium: &Medium,
+        ray: &Ray,
+        t: f64,
+        depth: u32,
+    ) -> DVec3 {
+        let start = Start {
+            origin: ray.origin + t * ray.direction,
             leaves: None,
+            normal: DVec3::ZERO,
+            sides: [ray.within; 2],
         };
+        let phase = |to: DVec3| medium.phase(ray.direction.dot(to));
+        let delta = self.delta_lights(rng, &start, |to| DVec3::splat(phase(to)));
+        let direction = anywhere(rng);
         let weight = phase(direction) * 4.0 * PI;
+        let next = start.ray(direction);
         delta + weight * self.radiance(rng, &next, depth + 1, false)
     }
 
     /// What is left of light over the first `way` of a ray.
     fn left(&self, ray: &Ray, way: f64) -> DVec3 {
-        let fog = self.fog.as_ref();
-        fog.map_or(DVec3::ONE, |fog| fog.transmittance(ray, way))
+        let medium = self.media.of(ray);
+        medium.map_or(DVec3::ONE, |medium| medium.transmittance(ray, way))
     }
 
     /// What is seen of what a ray meets.
@@ -95,7 +125,7 @@ impl Reference<'_> {
         }
         let normal = if front { outside } else { -outside };
         let shading = point.towards(front, normal, -ray.direction);
-        let frame = Frame::about(shading);
+        let frame = Frame::about(shading, point.along);
         let omega_o = frame.local(-ray.direction);
         let bsdf = self.materials[part as usize].bsdf(&read, omega_o, front);
         // What becomes of light where triangles are dark, and on the wrong side of either normal.
@@ -112,21 +142,23 @@ impl Reference<'_> {
             let local = frame.local(omega_i);
             factor(omega_i, local.z) * bsdf.evaluate(omega_o, local)
         };
-        let mut seen = self.delta_lights(rng, origin, response, Some(hit.surface));
+        let start = Start {
+            origin,
+            leaves: Some(hit.surface),
+            normal,
+            sides: [ray.within, ray.within.behind(met, front)],
+        };
+        let mut seen = self.delta_lights(rng, &start, response);
         let lit = self.manner.samples_lights && bsdf.is_diffuse();
         if lit {
-            seen += self.emitters(rng, origin, response, hit.surface);
+            seen += self.emitters(rng, &start, response);
         }
         let next = bsdf
             .draw(omega_o, self.manner.uniform, rng)
             .and_then(|drawn| {
                 let direction = frame.world(drawn.direction);
                 let weight = factor(direction, drawn.direction.z) * drawn.weight;
-                let ray = Ray {
-                    origin,
-                    direction,
-                    leaves: Some(hit.surface),
-                };
+                let ray = start.ray(direction);
                 (weight != DVec3::ZERO).then_some(Next { ray, weight, lit })
             });
         (seen, emitted, next)
@@ -155,14 +187,13 @@ impl Reference<'_> {
     fn emitters(
         &self,
         rng: &mut impl Rng,
-        origin: DVec3,
+        start: &Start,
         response: impl Fn(DVec3) -> DVec3,
-        leaves: usize,
     ) -> DVec3 {
         let mut sum = DVec3::ZERO;
         for &emitter in &self.emitters {
             let drawn = self.world.point_on(emitter, rng);
-            let to = drawn.point - origin;
+            let to = drawn.point - start.origin;
             let direction = to.normalize();
             let facing = -direction.dot(drawn.outside);
             let there = Hit {
@@ -172,14 +203,10 @@ impl Reference<'_> {
             };
             let radiance = self.world.emitted(&there, drawn.outside, facing > 0.0);
             let response = response(direction);
-            if emitter == leaves || radiance * response == DVec3::ZERO {
+            if start.leaves == Some(emitter) || radiance * response == DVec3::ZERO {
                 continue;
             }
-            let ray = Ray {
-                origin,
-                direction,
-                leaves: Some(leaves),
-            };
+            let ray = start.ray(direction);
             let met = self.world.closest(rng, &ray);
             // Of a round emitter, the near side.
             let reached = met.is_some_and(|hit| {
@@ -193,22 +220,16 @@ impl Reference<'_> {
         sum
     }
 
-    /// What is reflected or passes of the lights that no ray finds, at `origin` on surface `leaves` or in
-    /// the fog.
+    /// What is reflected or passes of the lights that no ray finds, at a surface or in a medium.
     fn delta_lights(
         &self,
         rng: &mut impl Rng,
-        origin: DVec3,
+        start: &Start,
         response: impl Fn(DVec3) -> DVec3,
-        leaves: Option<usize>,
     ) -> DVec3 {
-        let arriving = self.lights.arriving(origin).map(|light| {
+        let arriving = self.lights.arriving(start.origin).map(|light| {
             let response = response(light.direction);
-            let ray = Ray {
-                origin,
-                direction: light.direction,
-                leaves,
-            };
+            let ray = start.ray(light.direction);
             let free = response != DVec3::ZERO
                 && self
                     .world

@@ -28,6 +28,7 @@ pub(crate) enum Stage {
     Disperse,
     Interact,
     Texture,
+    Align,
     Light,
     Scatter(Shader),
     Vary,
@@ -37,7 +38,7 @@ pub(crate) enum Stage {
 }
 
 impl Stage {
-    const COUNT: usize = 16 + Shader::ALL.len();
+    const COUNT: usize = 17 + Shader::ALL.len();
 
     /// All stages.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
@@ -53,6 +54,7 @@ impl Stage {
             Self::Disperse,
             Self::Interact,
             Self::Texture,
+            Self::Align,
             Self::Light,
         ];
         let shaders = Shader::ALL.into_iter().map(Self::Scatter);
@@ -78,8 +80,9 @@ impl Stage {
             Self::Disperse => 8,
             Self::Interact => 9,
             Self::Texture => 10,
-            Self::Light => 11,
-            Self::Scatter(shader) => 12 + shader as usize,
+            Self::Align => 11,
+            Self::Light => 12,
+            Self::Scatter(shader) => 13 + shader as usize,
             Self::Vary => Self::COUNT - 4,
             Self::Occlude => Self::COUNT - 3,
             Self::Roulette => Self::COUNT - 2,
@@ -100,6 +103,7 @@ impl Stage {
             Self::Disperse => "disperse",
             Self::Interact => "interact",
             Self::Texture => "texture",
+            Self::Align => "align",
             Self::Light => "sample lights",
             Self::Scatter(shader) => shader.stage(),
             Self::Vary => "texture lights",

@@ -7,6 +7,7 @@ use super::account::Stage;
 use super::plan::QueuePlan;
 use super::setup::Setup;
 use super::tally::{Tally, for_each_run};
+use huygens_kernels::bare::{COMPLETE, called_for};
 use huygens_kernels::bsdf;
 use huygens_kernels::cost::Cost;
 use huygens_kernels::lanes::LANES;
@@ -231,7 +232,7 @@ impl Lists {
     ) {
         let triangles = &setup.tables.triangles;
         let far = setup.routes.only.is_none() && prefetch::is_worth_it(triangles);
-        match (setup.medium_list.is_some(), far) {
+        match (COMPLETE && setup.medium_list.is_some(), far) {
             (false, false) => self.sort_with::<false, false>(n, paths, hits, setup, wanted),
             (false, true) => self.sort_with::<false, true>(n, paths, hits, setup, wanted),
             (true, false) => self.sort_with::<true, false>(n, paths, hits, setup, wanted),
@@ -278,7 +279,9 @@ impl Lists {
                     };
                     self.emission
                         .push_if(i, wanted.emission && light && route.emits);
-                    if let (Some(mixtures), Some(met)) = (&setup.mixtures, &mut self.met) {
+                    if let (Some(mixtures), Some(met)) =
+                        (called_for(setup.mixtures.as_ref()), &mut self.met)
+                    {
                         met[i] = mixtures.draw(&paths, &hits, i, material);
                         route = routes.of[met[i] as usize];
                     }

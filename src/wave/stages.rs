@@ -12,11 +12,13 @@ use super::tally::Tally;
 use super::{Wave, cast, intersect, roulette, shade, sort};
 use crate::effects::Shader;
 use crate::film::SampleBuffer;
+use huygens_kernels::bare::{COMPLETE, called_for};
 use huygens_kernels::cost::{Cost, item};
 use huygens_kernels::emission::{SKY, SURFACE, UNOCCLUDED};
 use huygens_kernels::light::{VARIED, vary};
 use huygens_kernels::queues::{Listed, PathHitsMut, PathsMut};
 use huygens_kernels::rays::{CLOSEST, OCCLUSION};
+use huygens_kernels::scatter::align::ALIGN;
 use huygens_kernels::scatter::disperse::{DISPERSE, disperse};
 use huygens_kernels::scatter::interact::INTERACT;
 use huygens_kernels::scatter::light_up::LIGHT_UP;
@@ -122,7 +124,7 @@ impl Wave<'_> {
 
     /// Gives a wavelength to the paths that meet dispersive surfaces.
     pub(super) fn disperse(&mut self) {
-        let Some(mut wavelengths) = self.extras.wavelengths_mut() else {
+        let Some(mut wavelengths) = called_for(self.extras.wavelengths_mut()) else {
             return;
         };
         let mut paths = self.paths.view_mut();
@@ -165,18 +167,22 @@ impl Wave<'_> {
             );
             let before = (out.path_len, out.shadow_len);
             let cost = match &mut self.surfaces {
-                _ if shader == Shader::Medium => {
+                _ if COMPLETE && shader == Shader::Medium => {
                     let medium = extras.mediums().unwrap_or_default();
                     media::in_medium(program, listed, medium, tables, sampler, &mut out);
                     [medium::PATH, medium::SHADOW]
                 }
-                Some(surfaces) if shader.has_rows() => {
+                Some(surfaces) if COMPLETE && shader.has_rows() => {
                     surfaces.interact(listed, tables, sampler);
                     account.book(Stage::Interact, tally, tally, INTERACT * list.len());
                     let textured = setup.textured[k].as_ref();
                     if let Some(layout) = textured {
                         surfaces.texture(listed, tables, layout);
                         account.book(Stage::Texture, tally, tally, TEXTURE * list.len());
+                    }
+                    if setup.aligned == Some(shader) {
+                        surfaces.align(listed, tables);
+                        account.book(Stage::Align, tally, tally, ALIGN * list.len());
                     }
                     if setup.lights(shader) {
                         surfaces.light_up(shader, tables);
@@ -206,13 +212,15 @@ impl Wave<'_> {
                 self.scattered_extras.append_rows(extras, list.indices());
             }
             let cast = before.1..out.shadow_len;
-            if tables.media.is_some() || self.shadow_times.is_some() {
+            if COMPLETE && (tables.media.is_some() || self.shadow_times.is_some()) {
                 cast::rows_of(listed, &out.shadows.slot[cast.clone()], &mut self.rows);
             }
-            if let Some(times) = &mut self.shadow_times {
+            if let Some(times) = called_for(self.shadow_times.as_mut()) {
                 times.give(cast.clone(), listed, &self.rows);
             }
-            if let (Some(media), Some(medium)) = (&tables.media, extras.mediums()) {
+            if let (Some(media), Some(medium)) =
+                (called_for(tables.media.as_ref()), extras.mediums())
+            {
                 let surfaces = self.surfaces.as_ref().filter(|_| shader.passes());
                 let gone = Gone {
                     listed,
@@ -230,7 +238,7 @@ impl Wave<'_> {
             account.book(stage, tally, &on.plus(&cast), cost);
         }
         let (on, cast) = (out.path_len, out.shadow_len);
-        if cast > 0 && setup.runs(Stage::Vary) {
+        if COMPLETE && cast > 0 && setup.runs(Stage::Vary) {
             vary(cast, &mut out.shadows, tables);
             let varied = Tally::of(&out.shadows.bounces[..cast], 0);
             account.book(Stage::Vary, &varied, &varied, VARIED * cast);
