@@ -258,7 +258,7 @@ pub(crate) fn has_media(scene: &Scene, settings: &Settings) -> bool {
 }
 
 /// The fewest lights at a finite distance for which a tree is taken to be worth its steps: set by
-/// judgement, see docs/performance.md.
+/// judgement, see docs/performance/samplers.md.
 const MANY_LIGHTS: usize = 16;
 
 /// How a render chooses among lights, `auto` resolved, and why.

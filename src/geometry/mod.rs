@@ -33,7 +33,7 @@ use obvhs::aabb::Aabb;
 use world::World;
 
 /// Up to so many triangles are all tested rather than sought through the tree: see
-/// `docs/performance.md`.
+/// `docs/performance/rays.md`.
 const FEW: usize = 48;
 
 /// The acceleration structure over a mesh.
@@ -47,7 +47,7 @@ pub struct Geometry {
     world: Option<World>,
 }
 
-/// Rays under way together in worlds of two levels: see `docs/performance.md`.
+/// Rays under way together in worlds of two levels: see `docs/performance/rays.md`.
 const IN_FLIGHT: usize = 32;
 
 /// A tree and its box; none over nothing.

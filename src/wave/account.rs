@@ -142,6 +142,8 @@ pub(crate) struct Account {
     untraceable: Vec<Dropped>,
     lap: Instant,
     recorder: Recorder,
+    /// Whether anything is booked.
+    counts: bool,
 }
 
 impl Account {
@@ -153,12 +155,30 @@ impl Account {
             untraceable: Vec::new(),
             lap: Instant::now(),
             recorder: Recorder::new(instruments, epoch),
+            counts: !instruments.unaccounted,
+        }
+    }
+
+    /// Whether calls are booked, and items are to be counted for that.
+    pub(crate) fn counts(&self) -> bool {
+        self.counts
+    }
+
+    /// The tally of a queue's `bounces` column: of nothing, where nothing is booked.
+    pub(crate) fn tally(&self, bounces: &[u32]) -> Tally {
+        if self.counts {
+            Tally::of(bounces, 0)
+        } else {
+            Tally::default()
         }
     }
 
     /// Books one call of `stage`, which ends now and began where the last one ended. Time goes to
     /// the bounces by items in (by items out where nothing comes in).
     pub(crate) fn book(&mut self, stage: Stage, items_in: &Tally, items_out: &Tally, cost: Cost) {
+        if !self.counts {
+            return;
+        }
         let end = Instant::now();
         let start = std::mem::replace(&mut self.lap, end);
         let wall = (end - start).as_secs_f64();

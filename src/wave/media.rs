@@ -7,7 +7,6 @@ use super::Wave;
 use super::account::Stage;
 use super::sampling::{AnySampler, with_sampler};
 use super::shade::Program;
-use super::tally::Tally;
 use crate::scene::{Bsdf, Scene};
 use huygens_kernels::bare::called_for;
 use huygens_kernels::medium::{self, CLEAR, Media, OUTSIDE, TRAVEL, UNCHANGED, travel};
@@ -105,8 +104,8 @@ impl Wave<'_> {
         with_sampler!(self.setup.sampler, sampler => {
             travel(n, medium, media, sampler, &mut paths, &mut hits);
         });
-        let tally = Tally::of(&paths.bounces[..n], 0);
-        self.account.book(Stage::Travel, &tally, &tally, TRAVEL * n);
+        let traced = &self.traced;
+        self.account.book(Stage::Travel, traced, traced, TRAVEL * n);
     }
 }
 

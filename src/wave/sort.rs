@@ -105,6 +105,8 @@ pub(crate) struct Lists {
     pub(crate) scatter: Vec<IndexList>,
     /// The material that each path met, where mixtures may have to be drawn from.
     met: Option<Vec<u32>>,
+    /// Whether items are counted by bounce.
+    tallied: bool,
 }
 
 /// What the lists are for in this render.
@@ -157,13 +159,14 @@ impl Routes {
 }
 
 impl Lists {
-    /// The lists that a render needs.
-    pub(crate) fn new(setup: &Setup) -> Self {
+    /// The lists that a render needs; `tallied` if their items are to be counted by bounce.
+    pub(crate) fn new(setup: &Setup, tallied: bool) -> Self {
         let Setup {
             capacity, wanted, ..
         } = *setup;
         let mixed = setup.mixtures.is_some();
         Self {
+            tallied,
             met: mixed.then(|| vec![0; capacity]),
             sky: IndexList::new(if wanted.sky { capacity } else { 0 }),
             emission: IndexList::new(if wanted.emission { capacity } else { 0 }),
@@ -255,7 +258,7 @@ impl Lists {
         let triangles = &setup.tables.triangles;
         let primitives = &hits.primitive[..n];
         self.all().for_each(IndexList::clear);
-        for_each_run(&paths.bounces[..n], |bounce, run| {
+        for_each_run(&paths.bounces[..n], self.tallied, |bounce, run| {
             for list in self.all() {
                 list.before = list.len;
             }

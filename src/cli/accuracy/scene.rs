@@ -83,7 +83,7 @@ pub(super) fn run(args: &Args, path: &Path) -> Result<(), Failure> {
             "only the integrators path and direct can be studied; the others have no choices",
         ));
     }
-    let build = || pool.install(|| Geometry::build_with(&scene.mesh, scene.settings.bvh));
+    let build = || pool.install(|| Geometry::of(&scene, scene.settings.bvh));
     let (geometry, _) = progress.phase("build", build);
 
     let families = args.scene.vary.clone();
