@@ -17,8 +17,9 @@
 //! [`Settings::depth_limit`] times, and 0 shows emission only; a surface emits from its front, from
 //! both sides if its material says so; surfaces scatter as their materials say (`bsdf`), with the
 //! shading normals, images and masks that materials and meshes ask for (`surface`); a ray that meets
-//! nothing sees the sky. Fog it knows (`fog`); media inside of glass it does not. Where something moves
-//! or disperses light, every sample is that of a scene frozen at one moment, in light of one wavelength.
+//! nothing sees the sky; media are where they are said to be (`fog`), and paths start outside of all
+//! glass. Where something moves or disperses light, every sample is that of a scene frozen at one moment,
+//! in light of one wavelength.
 
 mod bsdf;
 mod camera;
@@ -50,6 +51,7 @@ pub struct Reference<'a> {
     world: World<'a>,
     lights: Lights<'a>,
     fog: Option<Fog>,
+    media: Vec<Fog>,
     materials: Vec<Worn<'a>>,
     manner: Manner,
     emitters: Vec<usize>,
@@ -109,7 +111,8 @@ impl<'a> Reference<'a> {
             emitters: world.emitters(),
             world,
             lights: Lights::new(scene),
-            fog: Fog::new(scene),
+            fog: Fog::outside(scene),
+            media: scene.media.iter().map(Fog::inside).collect(),
             materials: scene.materials.iter().map(Worn::new).collect(),
             manner,
         }
@@ -129,7 +132,8 @@ impl<'a> Reference<'a> {
             direction: direction.into(),
             leaves: None,
         };
-        self.radiance(rng, &ray, depth, false).into()
+        self.radiance(rng, &ray, self.fog.as_ref(), depth, false)
+            .into()
     }
 
     /// Renders the samples of `job` into their slots of `out`, which must have room for them. Returns
@@ -162,7 +166,9 @@ impl<'a> Reference<'a> {
         let (moves, disperses) = (scene.moves().is_some(), scene.disperses());
         if !moves && !disperses {
             let ray = camera::ray(scene, x, y, &mut rng);
-            return self.radiance(&mut rng, &ray, 0, false).into();
+            return self
+                .radiance(&mut rng, &ray, self.fog.as_ref(), 0, false)
+                .into();
         }
         // Everything at one moment, in light of one wavelength, made anew for every sample: slow, and
         // sure.
@@ -178,7 +184,7 @@ impl<'a> Reference<'a> {
         }
         let ray = camera::ray(&now, x, y, &mut rng);
         let now = Reference::of(&now, self.manner);
-        (weight * now.radiance(&mut rng, &ray, 0, false)).into()
+        (weight * now.radiance(&mut rng, &ray, now.fog.as_ref(), 0, false)).into()
     }
 }
 

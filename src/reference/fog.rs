@@ -1,4 +1,4 @@
-//! Fog for the oracle: a medium outside of all glass, perhaps within a box.
+//! Media for the oracle: outside of all glass, perhaps within a box, and inside of it.
 //!
 //! A distance is drawn for one of the three channels at random, all alike probable, and weighed by
 //! what all of them would have drawn; directions after a scattering event are uniform over the sphere,
@@ -7,12 +7,12 @@
 use super::random::uniform;
 use super::vector;
 use super::world::Ray;
-use crate::scene::Scene;
+use crate::scene::{Medium, Scene};
 use glam::DVec3;
 use rand_pcg::rand_core::Rng;
 use std::f64::consts::{PI, TAU};
 
-/// The fog of a scene.
+/// A medium, and where it is. A path is in one, or in none, and knows which.
 #[derive(Debug)]
 pub(super) struct Fog {
     extinction: DVec3,
@@ -22,16 +22,25 @@ pub(super) struct Fog {
 }
 
 impl Fog {
-    pub(super) fn new(scene: &Scene) -> Option<Self> {
+    /// The fog of a scene, if it has one.
+    pub(super) fn outside(scene: &Scene) -> Option<Self> {
         let fog = scene.fog.as_ref()?;
-        let medium = &scene.media[fog.medium as usize];
-        let scattering = vector(medium.scattering);
+        let bounds = fog.bounds.map(|corners| corners.map(vector));
         Some(Self {
+            bounds,
+            ..Self::inside(&scene.media[fog.medium as usize])
+        })
+    }
+
+    /// What fills glass: wherever a path is that knows itself inside.
+    pub(super) fn inside(medium: &Medium) -> Self {
+        let scattering = vector(medium.scattering);
+        Self {
             extinction: vector(medium.absorption) + scattering,
             scattering,
             g: medium.g.into(),
-            bounds: fog.bounds.map(|corners| corners.map(vector)),
-        })
+            bounds: None,
+        }
     }
 
     /// What the fog leaves of light over a part of a ray.

@@ -11,34 +11,46 @@ use glam::DVec3;
 use rand_pcg::rand_core::Rng;
 use std::f64::consts::PI;
 
+/// The medium that a path is in.
+type Within<'a> = Option<&'a Fog>;
+
 /// Where a path goes on, and what it sees there is multiplied with.
-struct Next {
+struct Next<'a> {
     ray: Ray,
+    within: Within<'a>,
     weight: DVec3,
     /// Whether what surfaces emit there was summed already.
     lit: bool,
 }
 
 impl Reference<'_> {
-    /// What `ray` sees; `lit` if what surfaces emit is not to be seen.
-    pub(super) fn radiance(&self, rng: &mut impl Rng, ray: &Ray, depth: u32, lit: bool) -> DVec3 {
+    /// What `ray` sees, which starts in `within`; `lit` if what surfaces emit is not to be seen.
+    pub(super) fn radiance(
+        &self,
+        rng: &mut impl Rng,
+        ray: &Ray,
+        within: Within,
+        depth: u32,
+        lit: bool,
+    ) -> DVec3 {
         let hit = self.world.closest(rng, ray);
-        let Some(fog) = &self.fog else {
-            return self.met(rng, ray, hit, depth, lit);
+        let Some(fog) = within else {
+            return self.met(rng, ray, within, hit, depth, lit);
         };
         let way = hit.as_ref().map_or(f64::INFINITY, |hit| hit.t);
         match fog.travel(rng, ray, way) {
-            (None, left) => left * self.met(rng, ray, hit, depth, lit),
+            (None, left) => left * self.met(rng, ray, within, hit, depth, lit),
             (Some(_), _) if depth >= self.manner.max_depth => DVec3::ZERO,
             (Some(t), weight) => weight * self.in_fog(rng, fog, ray, t, depth),
         }
     }
 
-    /// What is seen of the fog where it scatters light, `t` along a ray.
+    /// What is seen of a medium where it scatters light, `t` along a ray.
     fn in_fog(&self, rng: &mut impl Rng, fog: &Fog, ray: &Ray, t: f64, depth: u32) -> DVec3 {
         let origin = ray.origin + t * ray.direction;
         let phase = |to: DVec3| fog.phase(ray.direction.dot(to));
-        let delta = self.delta_lights(rng, origin, |to| DVec3::splat(phase(to)), None);
+        let response = |to: DVec3| DVec3::splat(phase(to));
+        let delta = self.delta_lights(rng, origin, response, |_| Some(fog), None);
         let direction = anywhere(rng);
         let next = Ray {
             origin,
@@ -46,39 +58,55 @@ impl Reference<'_> {
             leaves: None,
         };
         let weight = phase(direction) * 4.0 * PI;
-        delta + weight * self.radiance(rng, &next, depth + 1, false)
+        delta + weight * self.radiance(rng, &next, Some(fog), depth + 1, false)
     }
 
-    /// What is left of light over the first `way` of a ray.
-    fn left(&self, ray: &Ray, way: f64) -> DVec3 {
-        let fog = self.fog.as_ref();
-        fog.map_or(DVec3::ONE, |fog| fog.transmittance(ray, way))
+    /// What lies behind the surface of a material, for who comes from its front in `within`: what it is
+    /// filled with; from its back, the outside. Through what is thin nobody gets anywhere else.
+    fn behind<'a>(&'a self, bsdf: &Bsdf, front: bool, within: Within<'a>) -> Within<'a> {
+        match bsdf {
+            Bsdf::Dielectric(glass) if glass.thin => within,
+            Bsdf::Principled(p) if p.thin => within,
+            _ if !front => self.fog.as_ref(),
+            Bsdf::Dielectric(glass) => glass.interior.map(|i| &self.media[i as usize]),
+            _ => None,
+        }
     }
 
     /// What is seen of what a ray meets.
-    fn met(&self, rng: &mut impl Rng, ray: &Ray, hit: Option<Hit>, depth: u32, lit: bool) -> DVec3 {
+    fn met(
+        &self,
+        rng: &mut impl Rng,
+        ray: &Ray,
+        within: Within,
+        hit: Option<Hit>,
+        depth: u32,
+        lit: bool,
+    ) -> DVec3 {
         let Some(hit) = hit else {
             return self.lights.beyond(ray.direction);
         };
-        let (mut seen, emitted, next) = self.scatter(rng, ray, &hit, depth);
+        let (mut seen, emitted, next) = self.scatter(rng, ray, within, &hit, depth);
         if !lit {
             seen += emitted;
         }
-        if let Some(Next { ray, weight, lit }) = next {
-            seen += weight * self.radiance(rng, &ray, depth + 1, lit);
+        if let Some(next) = next {
+            let seen_there = self.radiance(rng, &next.ray, next.within, depth + 1, next.lit);
+            seen += next.weight * seen_there;
         }
         seen
     }
 
     /// At a hit, what light that is looked for comes from there, what is emitted, and where to go on.
     #[inline(never)] // keeps what the recursion puts on the stack small
-    fn scatter(
-        &self,
+    fn scatter<'a>(
+        &'a self,
         rng: &mut impl Rng,
         ray: &Ray,
+        within: Within<'a>,
         hit: &Hit,
         depth: u32,
-    ) -> (DVec3, DVec3, Option<Next>) {
+    ) -> (DVec3, DVec3, Option<Next<'a>>) {
         let scene = self.world.scene;
         let origin = ray.origin + hit.t * ray.direction;
         let (outside, worn) = self.world.surface(hit.surface, origin);
@@ -98,6 +126,14 @@ impl Reference<'_> {
         let frame = Frame::about(shading);
         let omega_o = frame.local(-ray.direction);
         let bsdf = self.materials[part as usize].bsdf(&read, omega_o, front);
+        let behind = self.behind(&met.bsdf, front, within);
+        let side = |direction: DVec3| {
+            if direction.dot(normal) < 0.0 {
+                behind
+            } else {
+                within
+            }
+        };
         // What becomes of light where triangles are dark, and on the wrong side of either normal.
         let factor = |omega_i: DVec3, cos: f64| {
             if cos * omega_i.dot(normal) <= 0.0 {
@@ -112,10 +148,10 @@ impl Reference<'_> {
             let local = frame.local(omega_i);
             factor(omega_i, local.z) * bsdf.evaluate(omega_o, local)
         };
-        let mut seen = self.delta_lights(rng, origin, response, Some(hit.surface));
+        let mut seen = self.delta_lights(rng, origin, response, side, Some(hit.surface));
         let lit = self.manner.samples_lights && bsdf.is_diffuse();
         if lit {
-            seen += self.emitters(rng, origin, response, hit.surface);
+            seen += self.emitters(rng, origin, response, side, hit.surface);
         }
         let next = bsdf
             .draw(omega_o, self.manner.uniform, rng)
@@ -127,7 +163,12 @@ impl Reference<'_> {
                     direction,
                     leaves: Some(hit.surface),
                 };
-                (weight != DVec3::ZERO).then_some(Next { ray, weight, lit })
+                (weight != DVec3::ZERO).then_some(Next {
+                    ray,
+                    within: side(direction),
+                    weight,
+                    lit,
+                })
             });
         (seen, emitted, next)
     }
@@ -152,11 +193,12 @@ impl Reference<'_> {
     }
 
     /// What is reflected of all that surfaces emit, by one point on each.
-    fn emitters(
+    fn emitters<'a>(
         &self,
         rng: &mut impl Rng,
         origin: DVec3,
         response: impl Fn(DVec3) -> DVec3,
+        side: impl Fn(DVec3) -> Within<'a>,
         leaves: usize,
     ) -> DVec3 {
         let mut sum = DVec3::ZERO;
@@ -187,19 +229,20 @@ impl Reference<'_> {
             });
             if reached {
                 let seen = facing.abs() * drawn.area / to.length_squared();
-                sum += self.left(&ray, to.length()) * radiance * response * seen;
+                sum += left(side(direction), &ray, to.length()) * radiance * response * seen;
             }
         }
         sum
     }
 
     /// What is reflected or passes of the lights that no ray finds, at `origin` on surface `leaves` or in
-    /// the fog.
-    fn delta_lights(
+    /// a medium; `side` says which lies that way.
+    fn delta_lights<'a>(
         &self,
         rng: &mut impl Rng,
         origin: DVec3,
         response: impl Fn(DVec3) -> DVec3,
+        side: impl Fn(DVec3) -> Within<'a>,
         leaves: Option<usize>,
     ) -> DVec3 {
         let arriving = self.lights.arriving(origin).map(|light| {
@@ -215,11 +258,16 @@ impl Reference<'_> {
                     .closest(rng, &ray)
                     .is_none_or(|hit| hit.t >= light.distance);
             if free {
-                self.left(&ray, light.distance) * light.irradiance * response
+                left(side(light.direction), &ray, light.distance) * light.irradiance * response
             } else {
                 DVec3::ZERO
             }
         });
         arriving.sum()
     }
+}
+
+/// What is left of light over the first `way` of a ray in a medium.
+fn left(within: Within, ray: &Ray, way: f64) -> DVec3 {
+    within.map_or(DVec3::ONE, |medium| medium.transmittance(ray, way))
 }

@@ -44,7 +44,6 @@ fn unknown(material: &Material) -> Option<&'static str> {
         Bsdf::Dielectric(glass) if glass.disperses() && !polished(&glass.roughness) => {
             Some("dispersion and roughness")
         }
-        Bsdf::Dielectric(glass) if glass.interior.is_some() => Some("a medium inside"),
         Bsdf::Conductor { roughness, .. } if roughness.texture.is_some() => material
             .compensation
             .then_some("a metal's textured roughness, with compensation"),
