@@ -57,7 +57,7 @@ fn every_choice_is_measured_and_told() {
     let (text, json) = study(folder.path(), "--spp 4 --repetitions 2");
     assert_eq!(json["ended"], "complete");
     let families = [
-        "base", "strategy", "sampler", "combined", "depth", "roulette", "split", "wave",
+        "base", "strategy", "sampler", "combined", "lights", "depth", "roulette", "split", "wave",
     ];
     for family in families.into_iter().chain(["precision"]) {
         assert!(
@@ -88,6 +88,32 @@ fn every_choice_is_measured_and_told() {
     assert!(advice.contains(" reaches an error of 2% in "), "{advice}");
     let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(words(&text).contains(&words(advice)));
+    assert!(
+        advice.contains("Rays for the same samples: split 2 "),
+        "{advice}"
+    );
+    let met = &json["target_met"];
+    assert_eq!(met["goal"], 0.02);
+    assert_eq!(met["renders"], 2);
+    assert!(met["estimated"].as_f64() <= Some(0.02), "{met}");
+    assert!(
+        advice.contains("Rendered until 2.0%, it ends after "),
+        "{advice}"
+    );
+}
+
+/// Copies are part of the scene that is studied: here a black one hides a third of a white sky.
+#[test]
+fn scenes_of_copies_are_studied_whole() {
+    let folder = folder();
+    let scene = "[film]\nwidth = 16\nheight = 16\n[sky]\nradiance = 1\n[camera]\norigin = [0, 0, 4]\ntarget = [0, 0, 0]\nfov = 60\n\
+                 [materials.black]\nalbedo = 0\n[[objects.a.shapes]]\nmaterial = \"black\"\n\
+                 box = { min = [-1, -1, -1], max = [1, 1, 1] }\n[[instances]]\nobject = \"a\"\n";
+    std::fs::write(folder.path().join("box.toml"), scene).expect("written");
+    let (_, json) = study(folder.path(), "--spp 2 --vary wave");
+    let brightness = json["reference"]["brightness"].as_f64().expect("known");
+    // 1 - (1 / (3 tan 30 degrees))^2 = 0.667, but for the filter.
+    assert!((brightness - 2.0 / 3.0).abs() < 0.05, "{brightness}");
 }
 
 /// A wave's capacity is no choice of the image, and everything but time is a function of the seed.
@@ -243,7 +269,7 @@ fn what_is_refused() {
     refused(
         "--vary colour",
         "error: invalid value 'colour' for '--vary <NAME,...>'\n  [possible values: strategy, \
-         sampler, combined, depth, roulette, split, wave, precision]\n",
+         sampler, combined, lights, depth, roulette, split, wave, precision, target]\n",
     );
     refused(
         "--target-error 2",

@@ -6,10 +6,10 @@ use common::picture::{Picture, by_wave, independent};
 use common::scenes::cornell_box;
 use common::statistics::{SIGNIFICANCE, same, threshold};
 use huygens::accuracy::{Ended, Goal, Rounds, render_rounds};
-use huygens::estimate::Running;
+use huygens::estimate::{Running, student_quantile};
 use huygens::geometry::Geometry;
 use huygens::scene::Scene;
-use huygens::settings::{Sampler, Settings};
+use huygens::settings::{Integrator, Sampler, Settings, Strategy};
 use huygens::wave::Control;
 
 fn rounds(scene: &Scene, settings: &Settings, error: f64, spp: u32) -> Rounds {
@@ -44,7 +44,7 @@ fn the_error_is_reached_and_is_what_it_is_said_to_be() {
     };
     let truth = by_wave(&scene, &many);
     for sampler in [Sampler::Independent, Sampler::Sobol] {
-        let mut ratio = Running::new();
+        let (mut ratio, mut uneven) = (Running::new(), 0);
         for seed in 0..4 {
             let settings = Settings {
                 sampler,
@@ -56,8 +56,9 @@ fn the_error_is_reached_and_is_what_it_is_said_to_be() {
             assert!(done.error <= 0.1 && done.error > 0.07, "{}", done.error);
             ratio.push(error(&done.image.mean, &truth) / done.error);
             let counts = &done.image.samples;
-            assert!(counts.iter().min() < counts.iter().max(), "some need more");
+            uneven += u32::from(counts.iter().min() < counts.iter().max());
         }
+        assert!(uneven > 1, "{sampler:?}: some blocks need more samples");
         // The promise is a tenth; Sobol's estimate may be too large, never too small, by more.
         let [low, high] = ratio.confidence_interval(0.999).expect("four");
         assert!(low < 1.1, "{sampler:?}: {ratio:?}");
@@ -131,6 +132,63 @@ fn the_bias_of_stopping_is_far_below_the_noise() {
     if let Err(wrong) = same(&stopped, &truth, SIGNIFICANCE) {
         panic!("{wrong}");
     }
+}
+
+/// Whole images of error bars, in the direct light of the box: intervals of level 0.95 hold the truth in
+/// 95% of the pixels, although a render goes on where it looks noisy and stops where it looks calm.
+#[test]
+fn intervals_of_renders_that_stopped_hold_as_often_as_they_say() {
+    let scene = cornell_box(40);
+    let direct = Settings {
+        integrator: Integrator::Direct,
+        strategy: Strategy::Light,
+        ..independent()
+    };
+    let many = Settings {
+        spp: 1 << 14,
+        seed: 79,
+        ..direct.clone()
+    };
+    let truth = by_wave(&scene, &many);
+    let (mut inside, mut all, mut samples) = (0.0, 0f64, Running::new());
+    for seed in 0..8 {
+        let settings = Settings {
+            seed,
+            ..direct.clone()
+        };
+        let done = rounds(&scene, &settings, 0.03, 1 << 14);
+        assert_eq!(done.ended, Ended::Error);
+        for (i, &n) in done.image.samples.iter().enumerate() {
+            samples.push(n.into());
+            // Eight rounds of 4 samples, then rounds of 16.
+            let freedom = 7 + u64::from(n - 32) / 16;
+            let reach = -student_quantile(0.025, freedom);
+            for c in 0..3 {
+                let variance = f64::from(done.image.variance[i][c]);
+                // A pixel that is the same in every sample has no error to cover.
+                if variance > 0.0 {
+                    let apart = (f64::from(done.image.mean[i][c]) - truth.mean[i][c]).abs();
+                    let bar = (variance + truth.variance[i][c]).sqrt();
+                    inside += f64::from(u8::from(apart <= reach * bar));
+                    all += 1.0;
+                }
+            }
+        }
+    }
+    assert!(
+        samples.variance() > Some(0.0),
+        "blocks stop at different times"
+    );
+    // As in `error_bars_cover`: five standard deviations of a share of pixels, and what samples of a
+    // skewness of 3 cost, 0.2% at 1024 of them.
+    let scatter = 5.0 * (0.95 * 0.05 / (all / 3.0)).sqrt();
+    let skewed = 0.002 * 1024.0 / samples.mean();
+    let share = inside / all;
+    assert!(
+        (share - 0.95).abs() < scatter + skewed,
+        "{share} of {all}, at {} samples",
+        samples.mean()
+    );
 }
 
 #[test]

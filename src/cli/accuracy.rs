@@ -6,6 +6,7 @@ mod known;
 mod pages;
 mod scene;
 mod scene_json;
+mod scene_page;
 mod scene_table;
 mod table;
 

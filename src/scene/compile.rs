@@ -20,7 +20,7 @@ use super::surfaces::{Surfaces, bind};
 use super::texture::Store;
 use super::toml::SceneFile;
 use super::values::{NonNegative, OneOrThree};
-use crate::settings::Settings;
+use crate::settings::{Integrator, Settings};
 use glam::DAffine3;
 use std::path::Path;
 
@@ -250,14 +250,22 @@ pub(super) fn film(said: Option<&description::Film>) -> FilmSpec {
 
 fn settings(said: &description::Settings) -> Settings {
     let default = Settings::default();
+    let roulette = said.roulette.unwrap_or(default.roulette.into());
+    // One ray a pixel, as on the command line.
+    let spp = match said.integrator {
+        Some(Integrator::Whitted) => 1,
+        _ => default.spp,
+    };
     Settings {
         integrator: said.integrator.unwrap_or(default.integrator),
         strategy: said.strategy.unwrap_or(default.strategy),
         light_selection: said.light_selection.unwrap_or(default.light_selection),
         sampler: said.sampler.unwrap_or(default.sampler),
-        spp: said.spp.map_or(default.spp, |n| n.0),
+        spp: said.spp.map_or(spp, |n| n.0),
         max_depth: said.max_depth.map(|n| n.0).or(default.max_depth),
-        roulette: said.roulette.unwrap_or(default.roulette),
+        roulette: roulette.on,
+        survival: roulette.survival,
+        split: said.split.as_ref().map_or(default.split, |s| s.0.clone()),
         seed: said.seed.map_or(default.seed, |n| n.0),
         ao_distance: said.ao_distance.map(|d| d.0 as f32).or(default.ao_distance),
         bvh: said.bvh.unwrap_or(default.bvh),

@@ -9,6 +9,7 @@ use super::values::{
     Angle, Count, FieldOfView, Finite, MeanCosine, Natural, NonNegative, OneOrThree, Pixels,
     Positive, Radius, Turbidity, Unit,
 };
+use super::ways::{Roulette, Split};
 use crate::settings::{Integrator, LightSelection, Preset, Sampler, Strategy};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -189,7 +190,8 @@ pub(super) struct Settings {
     pub(super) sampler: Option<Sampler>,
     pub(super) spp: Option<Count>,
     pub(super) max_depth: Option<Natural>,
-    pub(super) roulette: Option<bool>,
+    pub(super) roulette: Option<Roulette>,
+    pub(super) split: Option<Split>,
     pub(super) seed: Option<Natural>,
     pub(super) ao_distance: Option<Positive>,
     pub(super) bvh: Option<Preset>,

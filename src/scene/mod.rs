@@ -32,6 +32,7 @@ mod transform;
 mod triangulate;
 mod unsupported;
 mod values;
+mod ways;
 
 pub use compiled::{Camera, Extent, FilmSpec, Filter, Lens, Mesh, Projection, Scene};
 pub use error::SceneError;

@@ -38,6 +38,29 @@
     });
   }
 
+  // Of many lines, what the first kind of choice is about.
+  if (lines.length > 40) buttons[2]?.click();
+
+  // A line that the reader points at, in a legend or in the table, stands out in every plot.
+  const point = (name) => {
+    for (const plot of all(".plot")) plot.classList.toggle("pointed", name !== null);
+    for (const line of lines) line.classList.toggle("on", line.dataset.name === name);
+  };
+  const points_at = (element, name) => {
+    element.addEventListener("pointerenter", () => point(name));
+    element.addEventListener("pointerleave", () => point(null));
+  };
+  for (const key of all(".plot .key")) points_at(key, key.parentNode.dataset.name);
+  for (const row of all("tbody tr")) {
+    const name = row.cells[0].textContent;
+    const line = lines.find((line) => line.dataset.name === name);
+    if (!line) continue;
+    points_at(row, name);
+    row.cells[0].style.setProperty("--line", line.getAttribute("stroke"));
+    row.classList.add("drawn");
+    row.classList.toggle("base", line.dataset.group === "base");
+  }
+
   // The table, sorted by a column; once more turns it round. What is unknown comes last.
   for (const header of all("th")) {
     header.querySelector("button").addEventListener("click", () => {

@@ -1,6 +1,6 @@
 //! What the numbers of a study come to, in sentences.
 
-use super::{Cost, Family, SceneCurve, SceneStudy};
+use super::{Cost, Family, SceneCurve, SceneStudy, Target};
 
 /// Choices within this factor of each other are told as equals: what timing scatters on a machine
 /// that does other things too, and what few renders leave open of an error.
@@ -60,7 +60,9 @@ pub fn advice(study: &SceneStudy, goal: f64, duration: impl Fn(f64) -> String) -
         ));
     }
     sentences.extend(depths(study, goal, &told));
+    sentences.extend(rays(study));
     sentences.extend(against_base(study, goal));
+    sentences.extend(study.target.as_ref().map(|t| met(t, &duration)));
     let mut text = String::new();
     for sentence in sentences {
         // A choice's name stays as it is.
@@ -90,10 +92,15 @@ enum Kind {
 
 fn kind(family: Family) -> Kind {
     match family {
-        Family::Base | Family::Strategy | Family::Sampler | Family::Combined => Kind::Way,
-        Family::Depth | Family::Roulette | Family::Split | Family::Wave | Family::Precision => {
-            Kind::Other
+        Family::Base | Family::Strategy | Family::Sampler | Family::Combined | Family::Lights => {
+            Kind::Way
         }
+        Family::Depth
+        | Family::Roulette
+        | Family::Split
+        | Family::Wave
+        | Family::Precision
+        | Family::Target => Kind::Other,
     }
 }
 
@@ -125,6 +132,30 @@ fn depths(study: &SceneStudy, goal: f64, told: &impl Fn(Cost) -> String) -> Opti
     }
 }
 
+/// Whether renders that end by their error can be believed.
+fn met(target: &Target, duration: &impl Fn(f64) -> String) -> String {
+    let [goal, own, true_error] =
+        [target.goal, target.estimated, target.measured].map(|e| share(tidy(e)));
+    let chance = target.measured_error;
+    let chance = chance.map_or(String::new(), |e| format!(" +- {}", share(e)));
+    let found = format!(
+        "rendered until {goal}, it ends after {:.0} samples a pixel in {} at {own} by its own estimate, \
+         and at {true_error}{chance} by the reference",
+        target.samples,
+        duration(target.seconds),
+    );
+    if target.holds() {
+        return format!("{found}: the estimate holds");
+    }
+    let percent = 100.0 * (target.ratio() - 1.0).abs();
+    let way = if target.ratio() > 1.0 { "more" } else { "less" };
+    format!(
+        "{found}, {percent:.0}% {way} than estimated: half of the squared error lies in {} of the values, \
+         so few bright paths decide, and where none was met the estimate knows of none",
+        share(target.half_in)
+    )
+}
+
 /// How the choices that concern one thing alone compare with the scene's own settings.
 fn against_base(study: &SceneStudy, goal: f64) -> Vec<String> {
     let mut sentences = Vec::new();
@@ -145,6 +176,21 @@ fn against_base(study: &SceneStudy, goal: f64) -> Vec<String> {
         }
     }
     sentences
+}
+
+/// How many more rays branches cast for the same samples.
+fn rays(study: &SceneStudy) -> Option<String> {
+    let base = study.curves.first()?;
+    let of = |c: &SceneCurve, rung: usize| Some(c.curve.points.get(rung)?.rays? as f64);
+    let factor = |c: &SceneCurve| {
+        let rung = c.curve.points.len().checked_sub(1)?;
+        Some(of(c, rung)? / of(base, rung)?)
+    };
+    let all = study.measured().filter(|c| c.family == Family::Split);
+    let all: Vec<String> = all
+        .filter_map(|c| Some(format!("{} {}", c.curve.name, times(factor(c)?))))
+        .collect();
+    (!all.is_empty()).then(|| format!("rays for the same samples: {}", all.join(", ")))
 }
 
 /// What f64 costs: against the same strategy with the same kind of numbers where that was measured.

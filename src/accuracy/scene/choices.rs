@@ -1,9 +1,10 @@
 //! The choices that a study of a scene compares: one at a time against the scene's own settings, and
 //! some together.
 
+use crate::effects::{Effects, light_selection};
 use crate::reference::Reference;
 use crate::scene::Scene;
-use crate::settings::{Integrator, Sampler, Settings, Strategy};
+use crate::settings::{Integrator, LightSelection, Sampler, Settings, Strategy};
 use clap::ValueEnum;
 use serde::Serialize;
 
@@ -20,6 +21,8 @@ pub enum Family {
     Sampler,
     /// Strategies with independent random numbers: both choices at once
     Combined,
+    /// How lights are chosen where they are sampled
+    Lights,
     /// The largest number of scattering events
     Depth,
     /// Whether and how soon paths end at random
@@ -30,6 +33,8 @@ pub enum Family {
     Wave,
     /// The f64 reference tracer instead of the wave
     Precision,
+    /// Renders that end at the target error by their own estimate, against their true error
+    Target,
 }
 
 impl Family {
@@ -75,10 +80,12 @@ pub fn choices(scene: &Scene, families: &[Family]) -> Vec<Choice> {
     };
     for family in families {
         match family {
-            Family::Base => {}
+            // The settings are the scene's own: `meet_target`.
+            Family::Base | Family::Target => {}
             Family::Strategy => list.strategies(None),
             Family::Combined => list.strategies(Some(Sampler::Independent)),
             Family::Sampler => list.samplers(),
+            Family::Lights => list.lights(scene),
             Family::Depth => list.depths(),
             Family::Roulette => list.roulettes(),
             Family::Split => list.splits(),
@@ -162,6 +169,37 @@ impl List<'_> {
         }
     }
 
+    /// Only where lights are sampled, and but for the one that the scene's own comes to.
+    fn lights(&mut self, scene: &Scene) {
+        let effects = Effects::of(scene, self.base).list;
+        if !effects.iter().any(|e| e.name == "next-event estimation") {
+            return;
+        }
+        let own = light_selection(scene, self.base).0;
+        for (selection, what) in [
+            (LightSelection::Uniform, "any light as often as any other"),
+            (LightSelection::Power, "lights chosen by their power"),
+            (LightSelection::Tree, "lights chosen along a tree over them"),
+        ] {
+            let settings = Settings {
+                light_selection: selection,
+                ..self.base.clone()
+            };
+            if selection == own || light_selection(scene, &settings).0 != selection {
+                continue;
+            }
+            let name = word(&selection);
+            let options = format!("--light-selection {name}");
+            self.add(
+                Family::Lights,
+                &format!("lights by {name}"),
+                what,
+                &options,
+                settings,
+            );
+        }
+    }
+
     fn depths(&mut self) {
         let limit = self.base.depth_limit();
         for depth in [1, 2, 4, 8].into_iter().filter(|d| *d < limit) {
@@ -200,7 +238,8 @@ impl List<'_> {
     }
 
     fn splits(&mut self) {
-        for split in [vec![4], vec![16], vec![4, 4]] {
+        // N, N^2 and N^3 ways, and as many at once as the last.
+        for split in [vec![2], vec![2, 2], vec![2, 2, 2], vec![8]] {
             let settings = Settings {
                 split: split.clone(),
                 ..self.base.clone()
@@ -210,8 +249,9 @@ impl List<'_> {
             let what = match &split[..] {
                 [n] => format!("{n} ways on from the first surface"),
                 several => format!(
-                    "{} ways on from the first surface, each with {} from the next",
-                    several[0], several[1]
+                    "{} ways on from each of the first surfaces, {} in all",
+                    several[0],
+                    several.iter().product::<u32>()
                 ),
             };
             let options = format!("--split {}", words.join(","));
@@ -257,43 +297,4 @@ impl List<'_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use std::collections::BTreeSet;
-
-    fn scene(change: impl FnOnce(&mut Settings)) -> Scene {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/cornell-box.toml");
-        let mut scene = crate::scene::load(path.as_ref()).expect("it ships");
-        change(&mut scene.settings);
-        scene
-    }
-
-    fn names(scene: &Scene, families: &[Family]) -> Vec<String> {
-        let choices = choices(scene, families);
-        choices.into_iter().map(|c| c.name).collect()
-    }
-
-    #[test]
-    fn every_choice_has_a_name_of_its_own_and_settings_of_its_own() {
-        let scene = scene(|_| {});
-        let all = choices(&scene, Family::value_variants());
-        let names: BTreeSet<&str> = all.iter().map(|c| c.name.as_str()).collect();
-        assert_eq!(names.len(), all.len());
-        for (i, a) in all.iter().enumerate() {
-            assert!(all[..i].iter().all(|b| a.settings != b.settings), "{a:?}");
-        }
-    }
-
-    #[test]
-    fn the_base_comes_first_and_is_not_repeated() {
-        let names = names(&scene(|_| {}), &[Family::Strategy]);
-        let expected = ["mis+sobol", "uniform+sobol", "cosine+sobol", "light+sobol"];
-        assert_eq!(names, expected);
-    }
-
-    #[test]
-    fn depths_stay_below_the_scenes_own() {
-        let names = names(&scene(|s| s.max_depth = Some(4)), &[Family::Depth]);
-        assert_eq!(names, ["mis+sobol", "max depth 1", "max depth 2"]);
-    }
-}
+mod tests;

@@ -56,6 +56,9 @@ impl Cost {
 /// Rungs that a line to the outside goes through.
 const LINE: usize = 4;
 
+/// Rungs that an efficiency is the median of.
+const LAST: usize = 3;
+
 impl SceneCurve {
     /// The bias that stays, as a relative error: 0 if none is beyond doubt.
     #[must_use]
@@ -109,15 +112,20 @@ impl SceneCurve {
         }
     }
 
-    /// `1 / (squared error * seconds)` over that of `base`, at the highest rung of both.
+    /// `1 / (squared error * seconds)` over that of `base`: the median of that at the last rungs that both
+    /// reached, so that one render with a very bright path does not decide it.
     #[must_use]
     pub(super) fn efficiency_over(&self, base: &Self) -> Option<f64> {
-        let rungs = self.curve.points.len().min(base.curve.points.len());
-        let cost = |curve: &Self| {
-            let p = &curve.curve.points[rungs.checked_sub(1)?];
-            Some(p.error * p.error * p.point.seconds).filter(|c| *c > 0.0)
-        };
-        Some(cost(base)? / cost(self)?)
+        let cost = |p: &ScenePoint| p.error * p.error * p.point.seconds;
+        let both = base.curve.points.iter().zip(&self.curve.points);
+        let ratios = both.map(|(base, own)| cost(base) / cost(own));
+        let ratios: Vec<f64> = ratios.collect();
+        let mut last = ratios[ratios.len().saturating_sub(LAST)..].to_vec();
+        last.retain(|r| r.is_finite() && *r > 0.0);
+        last.sort_by(f64::total_cmp);
+        let middle = [last.len().checked_sub(1)? / 2, last.len() / 2];
+        // Of two in the middle, the geometric mean.
+        Some((last[middle[0]] * last[middle[1]]).sqrt())
     }
 }
 
@@ -165,5 +173,8 @@ mod tests {
         assert_eq!(half.efficiency_over(&base), Some(0.5));
         assert_eq!(base.efficiency_over(&base), Some(1.0));
         assert_eq!(curve([]).efficiency_over(&base), None);
+        // A firefly in the last rung is no news of the choice.
+        let lucky = curve([(1.0, 0.4, 0.0), (2.0, 0.2, 0.0), (4.0, 5.0, 0.0)]);
+        assert_eq!(lucky.efficiency_over(&base), Some(1.0));
     }
 }

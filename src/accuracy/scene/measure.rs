@@ -1,7 +1,7 @@
 //! One rung of one choice: independent renders, compared with the reference.
 
 use super::{Stage, Truth, seed_of};
-use crate::accuracy::{Picture, Point, Rung, difference};
+use crate::accuracy::{Picture, Point, Rung, difference, flip};
 use crate::estimate::Running;
 use crate::settings::Settings;
 use serde::Serialize;
@@ -19,8 +19,8 @@ pub struct ScenePoint {
     pub error: f64,
     /// Its standard error, from the scatter of the renders.
     pub error_error: f64,
-    /// Rays of a render, of all kinds.
-    pub rays: u64,
+    /// Rays of a render, of all kinds; none where they are not counted, by the f64 tracer.
+    pub rays: Option<u64>,
     /// Mean relative variance of the renders: the part of the squared error that more samples reduce.
     pub variance: f64,
     /// Mean squared relative difference of the renders' expectation from the reference: the part that
@@ -28,6 +28,8 @@ pub struct ScenePoint {
     pub bias_squared: f64,
     /// Its standard error, from the scatter of the pixels.
     pub bias_squared_error: f64,
+    /// Mean of FLIP over the renders; none in builds without it.
+    pub flip: Option<f64>,
 }
 
 impl Rung for ScenePoint {
@@ -63,6 +65,7 @@ pub(super) fn measure(
 ) -> Option<ScenePoint> {
     let mut pixels = vec![[Running::new(); 3]; stage.pixels()];
     let (mut squares, mut means, mut relative) = (Running::new(), Running::new(), Running::new());
+    let mut seen = Running::new();
     let mut seconds = f64::INFINITY;
     let mut rays = 0;
     for repetition in 0..repetitions {
@@ -80,6 +83,9 @@ pub(super) fn measure(
         squares.push(against.mse);
         means.push(against.bias.iter().sum::<f64>() / 3.0);
         relative.push(truth.relative_mse(&image.mean));
+        if let Some(flip) = flip(Picture::from(&image), truth.picture()) {
+            seen.push(flip);
+        }
         for (pixel, value) in pixels.iter_mut().zip(&image.mean) {
             (0..3).for_each(|c| pixel[c].push(value[c].into()));
         }
@@ -101,10 +107,11 @@ pub(super) fn measure(
         error,
         // The derivative of a square root.
         error_error: 0.5 * relative.standard_error().unwrap_or(f64::INFINITY) / error,
-        rays: rays / u64::from(repetitions),
+        rays: Some(rays / u64::from(repetitions)).filter(|&n| n > 0),
         variance,
         bias_squared: bias.mean(),
         bias_squared_error: bias.standard_error().unwrap_or(f64::INFINITY),
+        flip: (seen.count() > 0).then(|| seen.mean()),
     })
 }
 

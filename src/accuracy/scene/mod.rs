@@ -3,7 +3,9 @@
 //! ```text
 //! choices ---+
 //!            +--> study: rung by rung, several renders each --> curves --> advice
-//! truth -----+        (measure: error, bias, variance)     \-> strips: images at equal time
+//! truth -----+        (measure: error, bias, variance)     |-> strips: images at equal time
+//!            |                                             |
+//!            +--> target: renders that end by themselves --+
 //! ```
 
 mod advice;
@@ -12,6 +14,7 @@ mod cost;
 mod measure;
 mod strips;
 mod study;
+mod target;
 mod truth;
 
 pub use advice::advice;
@@ -20,6 +23,7 @@ pub use cost::Cost;
 pub use measure::ScenePoint;
 pub use strips::{Strip, Strips, strips};
 pub use study::{SceneCurve, SceneStudy, study_scene};
+pub use target::{Target, meet_target};
 pub use truth::{Truth, TruthError};
 
 use crate::estimate::{Rng, generator};
@@ -28,6 +32,7 @@ use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::wave::{self, Control, RenderStats};
+use std::time::Instant;
 
 /// Where renders of a study happen, and who watches them.
 pub struct Stage<'a> {
@@ -51,6 +56,14 @@ impl Stage<'_> {
         let film = Film::new(self.scene.film.width, self.scene.film.height, settings.tile);
         let stats = wave::render(self.scene, self.geometry, settings, &film, self.control);
         (!stats.stopped).then(|| (film.develop(), stats))
+    }
+
+    /// Seconds before the deadline; infinite without one.
+    fn seconds_left(&self) -> f64 {
+        let deadline = self.control.deadline.get();
+        deadline.map_or(f64::INFINITY, |d| {
+            d.saturating_duration_since(Instant::now()).as_secs_f64()
+        })
     }
 
     /// Pixels of the image.

@@ -2,11 +2,10 @@
 
 use super::choices::word;
 use super::measure::measure;
-use super::{Choice, Cost, Family, ScenePoint, Stage, Truth};
+use super::{Choice, Cost, Family, ScenePoint, Stage, Target, Truth};
 use crate::accuracy::{Curve, End, Ladder};
 use crate::settings::{Sampler, Settings};
 use serde::Serialize;
-use std::time::Instant;
 
 /// Relative errors whose cost is told, besides the goal.
 const ERRORS: [f64; 6] = [0.2, 0.1, 0.05, 0.02, 0.01, 0.005];
@@ -21,7 +20,8 @@ pub struct SceneCurve {
     pub family: Family,
     /// The options that make it.
     pub options: String,
-    /// `1 / (squared error * seconds)` over that of the scene's own settings, at the highest rung of both.
+    /// `1 / (squared error * seconds)` over that of the scene's own settings: the median at the last three
+    /// rungs of both.
     pub efficiency: Option<f64>,
     /// Relative errors, falling, and what each costs.
     pub time_to_error: Vec<TimeToError>,
@@ -46,6 +46,9 @@ pub struct SceneStudy {
     pub curves: Vec<SceneCurve>,
     /// Whether it was stopped. A ladder that the time cuts short is [`End::Stopped`] too.
     pub end: End,
+    /// What renders that end by their error come to, if that was asked for and found
+    /// ([`super::meet_target`]).
+    pub target: Option<Target>,
 }
 
 impl SceneStudy {
@@ -80,9 +83,8 @@ pub fn study_scene(
     let all = (ladder.rungs().sum::<usize>() * choices.len()) as f64;
     let mut done = 0.0;
     'rungs: for (rung, samples) in ladder.rungs().enumerate() {
-        if let Some(deadline) = stage.control.deadline.get() {
-            let left = deadline.saturating_duration_since(Instant::now());
-            let left = left.as_secs_f64() - reserve(&curves);
+        if stage.control.deadline.get().is_some() {
+            let left = stage.seconds_left() - reserve(&curves);
             cut(&mut curves, ladder.repetitions, left);
         }
         for (choice, curve) in choices.iter().zip(&mut curves) {
@@ -115,7 +117,11 @@ pub fn study_scene(
     for curve in &mut curves {
         curve.efficiency = curve.efficiency_over(&base);
     }
-    SceneStudy { curves, end }
+    SceneStudy {
+        curves,
+        end,
+        target: None,
+    }
 }
 
 /// What a rung may take beyond what is foreseen, on a machine that does other things too.
@@ -205,10 +211,11 @@ pub(super) mod tests {
             },
             error: rmse,
             error_error: 0.0,
-            rays: 1,
+            rays: Some(1),
             variance: rmse * rmse - bias_squared,
             bias_squared,
             bias_squared_error: 0.0,
+            flip: None,
         });
         SceneCurve {
             curve: Curve {

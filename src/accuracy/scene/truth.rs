@@ -210,16 +210,19 @@ impl Truth {
     /// Mean squared relative error of an image of its size, its own noise included.
     #[must_use]
     pub fn relative_mse(&self, rgb: &[[f32; 3]]) -> f64 {
+        mean(self.relative_squares(rgb))
+    }
+
+    /// Squared relative errors of each value, its own noise included.
+    pub(super) fn relative_squares(&self, rgb: &[[f32; 3]]) -> impl ExactSizeIterator<Item = f64> {
         let pairs = rgb
             .as_flattened()
             .iter()
             .zip(self.image.mean.as_flattened());
         let errors = pairs.map(|(a, b)| f64::from(*a) - f64::from(*b));
-        mean(
-            errors
-                .zip(self.weight.as_flattened())
-                .map(|(e, w)| e * e * w),
-        )
+        errors
+            .zip(self.weight.as_flattened())
+            .map(|(e, w)| e * e * w)
     }
 
     /// As a picture to compare with.

@@ -1,6 +1,6 @@
 //! `huygens accuracy` of a scene.
 
-use super::{Args, pages, scene_json, scene_table};
+use super::{Args, scene_json, scene_page, scene_table};
 use crate::cli::failure::{Failure, warn};
 use crate::cli::interrupt::Interrupts;
 use crate::cli::load::load;
@@ -9,7 +9,8 @@ use crate::cli::progress::Progress;
 use crate::cli::text::{duration, out};
 use clap::ValueEnum;
 use huygens::accuracy::scene::{
-    Family, SceneStudy, Stage, Strips, Truth, TruthError, choices, strips, study_scene,
+    Family, SceneStudy, Stage, Strips, Target, Truth, TruthError, choices, meet_target, strips,
+    study_scene,
 };
 use huygens::accuracy::{End, Ladder};
 use huygens::film::exr::read_exr;
@@ -32,6 +33,9 @@ const TARGET_ERROR: f64 = 0.02;
 const PIXELS: f64 = 128.0 * 128.0;
 /// The share of the budget that goes to a reference at most.
 const REFERENCE: f64 = 0.4;
+
+/// The share of the budget that renders to the target error have at most.
+const TARGET: f64 = 0.2;
 
 /// A study that is done, as it is shown.
 pub(super) struct Done<'a> {
@@ -110,14 +114,29 @@ pub(super) fn run(args: &Args, path: &Path) -> Result<(), Failure> {
     };
     let truth = truth(args, path, &stage, start)?;
     let wants_strips = args.html.is_some();
-    let reserve = |curves: &[_]| {
+    let for_strips = |curves: &[_]| {
         if wants_strips {
             Strips::seconds_of(curves) * choices.len() as f64
         } else {
             0.0
         }
     };
-    let study = study_scene(&stage, &truth, &choices, &ladder, target_error, reserve);
+    let wants_target = families.contains(&Family::Target);
+    let for_target = |curves: &[_]| {
+        let most = args
+            .budget
+            .map_or(f64::INFINITY, |b| TARGET * b.as_secs_f64());
+        let all = f64::from(ladder.repetitions) * Target::seconds_of(curves, target_error);
+        if wants_target { all.min(most) } else { 0.0 }
+    };
+    let reserve = |curves: &[_]| for_strips(curves) + for_target(curves);
+    let mut study = study_scene(&stage, &truth, &choices, &ladder, target_error, reserve);
+    if wants_target {
+        let foreseen = Target::seconds_of(&study.curves, target_error);
+        let reserve = for_strips(&study.curves);
+        let renders = ladder.repetitions;
+        study.target = meet_target(&stage, &truth, target_error, renders, foreseen, reserve);
+    }
     let strips = wants_strips.then(|| strips(&stage, &truth, &choices, &study.curves));
     drop(bar);
     let ended = match study.end {
@@ -148,7 +167,7 @@ fn show(args: &Args, done: &Done) -> Result<(), Failure> {
     if let Some(path) = &args.json {
         scene_json::Report::new(done).write(path)?;
     }
-    args.write_pages(&pages::scene(done)?)?;
+    args.write_pages(&scene_page::page(done)?)?;
     if !args.quiet {
         out(&scene_table::text(done));
     }

@@ -4,7 +4,7 @@ use super::json::SCHEMA;
 use super::scene::Done;
 use crate::cli::json;
 use huygens::accuracy::LEVEL;
-use huygens::accuracy::scene::SceneCurve;
+use huygens::accuracy::scene::{SceneCurve, Target};
 use huygens::film::output::OutputError;
 use serde::Serialize;
 use std::path::Path;
@@ -32,6 +32,7 @@ pub(super) struct Report<'a> {
     machine: String,
     command: String,
     advice: &'a str,
+    target_met: Option<Target>,
     curves: &'a [SceneCurve],
 }
 
@@ -88,6 +89,7 @@ impl<'a> Report<'a> {
             machine: super::machine(),
             command: super::command(),
             advice: &done.advice,
+            target_met: done.study.target,
             curves: &done.study.curves,
         }
     }
@@ -104,7 +106,7 @@ mod tests {
     use crate::cli::accuracy::documented;
     use crate::cli::stats::tests::paths;
     use huygens::accuracy::Ladder;
-    use huygens::accuracy::scene::{Family, Stage, Truth, choices, study_scene};
+    use huygens::accuracy::scene::{Family, Stage, Truth, choices, meet_target, study_scene};
     use huygens::geometry::Geometry;
     use huygens::wave::Control;
     use std::collections::BTreeSet;
@@ -131,7 +133,8 @@ mod tests {
             seed: 0,
         };
         let choices = choices(&scene, &[Family::Depth]);
-        let study = study_scene(&stage, &truth, &choices, &ladder, 0.02, |_| 0.0);
+        let mut study = study_scene(&stage, &truth, &choices, &ladder, 0.02, |_| 0.0);
+        study.target = meet_target(&stage, &truth, 1.0, 2, 0.0, 0.0);
         let done = Done {
             scene: &scene,
             file: "a.toml".as_ref(),

@@ -82,12 +82,17 @@ fn line(text: &mut String, letter: char, curve: &SceneCurve, done: &Done) {
         curve.curve.name,
         last.point.samples,
         duration(last.point.seconds),
-        si(last.rays as f64).trim_end(),
+        rays(last.rays),
         percent(last.error),
         known(curve.curve.slope, 3),
         known(curve.efficiency, 2),
         cost(curve.cost_of(done.target_error))
     );
+}
+
+/// A number of rays, if they were counted.
+pub(super) fn rays(rays: Option<u64>) -> String {
+    rays.map_or("?".into(), |n| si(n as f64).trim_end().to_owned())
 }
 
 /// What an error costs, in a word: `~` where it lies off the ladder.
@@ -131,7 +136,12 @@ fn legend(done: &Done) -> String {
 
 /// Error against time, of the choices that make the same image.
 fn chart(done: &Done) -> String {
-    let shown = |f: Family| matches!(f, Family::Base | Family::Strategy | Family::Sampler);
+    let shown = |f: Family| {
+        matches!(
+            f,
+            Family::Base | Family::Strategy | Family::Sampler | Family::Lights
+        )
+    };
     let curves = done.study.curves.iter().enumerate();
     let series = curves
         .filter(|(_, c)| shown(c.family))
