@@ -10,6 +10,9 @@ use crate::bvh::{Block, Bvh, index};
 use crate::triangle::{CONTACT, SURE};
 use std::arch::x86_64::*;
 
+/// Numbers of a block along each axis: three corners of four triangles.
+pub(super) const ROW: i32 = 12;
+
 /// What four rays and their blocks come to: weights and distances along the main axis by corner,
 /// ray and triangle.
 #[derive(Clone, Copy)]
@@ -50,10 +53,14 @@ impl Groups {
     #[inline]
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
     pub(super) fn edges(&mut self, bvh: Bvh, slots: &[Slot; N], ids: &[u32]) {
+        // Corners and, behind them, what the block holds next: the upper four lanes are not used, and
+        // zero, for what lies there may be slow numbers. A mask that is a constant, the compiler takes for a
+        // shuffle, which costs twice as much.
+        let used = std::hint::black_box(0x0fff);
         for (ids, group) in ids.chunks(4).zip(&mut self.0) {
             for (r, &id) in ids.iter().enumerate() {
                 let slot = &slots[id as usize % N];
-                edges(slot, &bvh.blocks[index(slot.next)], group, r % 4);
+                edges(slot, &bvh.blocks[index(slot.next)], used, group, r % 4);
             }
         }
     }
@@ -112,17 +119,15 @@ pub(super) fn primitives(bvh: Bvh, slots: &[Slot; N], ids: &[u32]) -> __m512i {
 
 #[inline]
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-fn edges(slot: &Slot, block: &Block, group: &mut Group, r: usize) {
-    // Corners and, behind them, what the block holds next: the upper four lanes are not used.
-    const CORNERS: __mmask16 = 0x0fff;
+fn edges(slot: &Slot, block: &Block, used: __mmask16, group: &mut Group, r: usize) {
     let numbers: &[f32] = bytemuck::cast_slice(bytemuck::bytes_of(block));
     let ray = &slot.ray;
     // One number, so that the compiler does not make a vector of three bytes.
     let axes = u32::from_le_bytes(ray.axes);
     let corners = |k: usize| {
-        let first = 12 * (axes as usize >> (8 * k) & 3).min(2);
+        let first = (axes as usize >> (8 * k) & 0xff).min(2 * ROW as usize);
         let corners = numbers[first..first + 16].try_into().expect("sixteen");
-        _mm512_maskz_sub_ps(CORNERS, load16(corners), _mm512_set1_ps(ray.permuted[k]))
+        _mm512_maskz_sub_ps(used, load16(corners), _mm512_set1_ps(ray.permuted[k]))
     };
     let z = corners(2);
     let x = _mm512_fnmadd_ps(_mm512_set1_ps(ray.slope[0]), z, corners(0));

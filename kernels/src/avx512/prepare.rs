@@ -5,6 +5,7 @@
 //! directions, [`Stage`] hands to the caller.
 
 use super::simd::{lanes_below, load_part, store16, transpose};
+use super::leaf::ROW;
 use super::slot::Ray;
 use crate::bvh::Bvh;
 use crate::rays::{Rays, Segments};
@@ -118,8 +119,8 @@ impl Stage {
             ..
         } = sixteen;
         let [mut able, mut ordinary] = [sixteen.able, sixteen.ordinary];
-        let axes = [0, 1, 2].map(|axis| _mm512_castsi512_ps(_mm512_set1_epi32(axis)));
-        let axes = sixteen.permute(axes);
+        let rows = [0, 1, 2].map(|axis| _mm512_castsi512_ps(_mm512_set1_epi32(ROW * axis)));
+        let axes = sixteen.permute(rows);
         let permuted = sixteen.permute(o);
         let slope = sixteen.slope();
         let pack = |[a, b, c]: [__m512i; 3]| {

@@ -23,7 +23,7 @@ pub(super) struct Ray {
     pub(super) inverse_main: f32,
     /// By axis, where the planes met first lie behind the axis' first ones, in bytes.
     pub(super) near: [u8; 4],
-    /// First, second, main.
+    /// For the first, second and main axis, where its row begins in a block, in numbers.
     pub(super) axes: [u8; 4],
     /// Closest hit: callers' distances over these. Occlusion: the segment's end.
     pub(super) span: f32,
@@ -34,8 +34,10 @@ pub(super) struct Ray {
 /// Entries below the first, so that the eight topmost ones can always be looked at together. The
 /// last of them is a sentinel, which says that nothing is left.
 const BELOW: usize = WIDTH;
-/// Entries of a stack, as in `order.rs`.
-const STACK: usize = BELOW + (WIDTH - 1) * MAX_DEPTH + 2 * WIDTH;
+/// Entries of a stack: as in `order.rs`, and as many as make every `u8` a place where eight entries
+/// lie, so that nobody has to ask.
+const STACK: usize = (1 << u8::BITS) + WIDTH;
+const _: () = assert!(BELOW + (WIDTH - 1) * MAX_DEPTH + 2 * WIDTH <= STACK);
 
 /// A ray under way.
 #[derive(Clone)]
@@ -54,7 +56,8 @@ pub(super) struct Slot {
     pub(super) next: u32,
     /// Occlusion: the triangle it ends on.
     pub(super) reaches: u32,
-    len: u32,
+    /// Entries of the stack, those below the first among them.
+    len: u8,
     enter: [f32; STACK],
     child: [u32; STACK],
 }
@@ -84,7 +87,7 @@ impl Slot {
         id: 0,
         next: 0,
         reaches: 0,
-        len: BELOW as u32,
+        len: BELOW as u8,
         enter: [f32::NEG_INFINITY; STACK],
         child: [NOTHING; STACK],
     };
@@ -96,7 +99,7 @@ impl Slot {
         self.leave = leave;
         self.id = i as u32;
         self.next = 0;
-        self.len = BELOW as u32;
+        self.len = BELOW as u8;
     }
 
     /// Distance of the nearest so far.
@@ -121,39 +124,29 @@ impl Slot {
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
     pub(super) fn push_in_order(&mut self, met: Met) -> u32 {
         let keys = node::descending(met.hits, met.enter);
-        let len = self.len as usize;
-        if let Some(top) = self.child[len..].first_chunk_mut() {
-            let child =
-                _mm256_castps_si256(_mm256_permutevar8x32_ps(met.children, node::lanes(keys)));
-            store8(
-                bytemuck::cast_mut::<[u32; 8], [f32; 8]>(top),
-                _mm256_castsi256_ps(child),
-            );
-        }
-        if let Some(top) = self.enter[len..].first_chunk_mut() {
-            store8(top, _mm256_castsi256_ps(keys));
-        }
-        let hits = u32::from(met.hits).count_ones() as usize;
-        self.go_on(len + hits - usize::from(met.hits != 0))
+        let child = _mm256_permutevar8x32_ps(met.children, node::lanes(keys));
+        store8(bytemuck::cast_mut(eight_mut(&mut self.child, self.len)), child);
+        store8(eight_mut(&mut self.enter, self.len), _mm256_castsi256_ps(keys));
+        // All but the nearest, if there is one.
+        let others = (met.hits & met.hits.wrapping_sub(1)).count_ones() as u8;
+        self.go_on(self.len.wrapping_add(others))
     }
 
     /// Adds the children that are hit, from the lowest lane up, and takes what is then on top.
     #[inline]
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
     pub(super) fn push(&mut self, met: Met) -> u32 {
-        let len = self.len as usize;
-        if let Some(top) = self.child[len..].first_chunk_mut() {
-            let hit = _mm256_maskz_compress_ps(met.hits, met.children);
-            store8(bytemuck::cast_mut::<[u32; 8], [f32; 8]>(top), hit);
-        }
-        self.go_on(len + u32::from(met.hits).count_ones() as usize - 1)
+        let hit = _mm256_maskz_compress_ps(met.hits, met.children);
+        store8(bytemuck::cast_mut(eight_mut(&mut self.child, self.len)), hit);
+        let hits = met.hits.count_ones() as u8;
+        self.go_on(self.len.wrapping_add(hits).wrapping_sub(1))
     }
 
     /// Makes entry `end` what is visited next, and the stack end before it.
     #[inline]
-    fn go_on(&mut self, end: usize) -> u32 {
-        self.len = end as u32;
-        self.next = self.child[end.min(STACK - 1)];
+    fn go_on(&mut self, end: u8) -> u32 {
+        self.len = end;
+        self.next = self.child[usize::from(end)];
         self.next
     }
 
@@ -163,28 +156,39 @@ impl Slot {
     pub(super) fn pop_in_order(&mut self) -> u32 {
         // Twice the pad: entries are keys of `node::descending`, off by up to seven roundings.
         let limit = _mm256_set1_ps(self.t() * (1.0 + 2.0 * PAD));
-        let mut end = self.len as usize;
+        let mut end = self.len;
         // Eight at a time: how many a shrunken limit has made useless no branch can foresee.
-        while let Some(top) = self.enter[..end].last_chunk() {
-            // Asked this way round, a NaN is visited, and so is the sentinel.
-            let within = _mm256_cmp_ps_mask::<_CMP_NGT_UQ>(load8(top), limit);
-            end -= WIDTH;
+        loop {
+            end = end.wrapping_sub(WIDTH as u8);
+            // Asked this way round, a NaN is visited, and so is the sentinel: it ends at the latest there.
+            let top = load8(eight(&self.enter, end));
+            let within = _mm256_cmp_ps_mask::<_CMP_NGT_UQ>(top, limit);
             if within != 0 {
-                end += u32::from(within).ilog2() as usize;
-                break;
+                return self.go_on(end.wrapping_add(within.ilog2() as u8));
             }
         }
-        self.len = end as u32;
-        self.next = self.child[end];
-        self.next
     }
 
     /// Takes the next reference; none if the ray is blocked.
     #[inline]
     pub(super) fn pop(&mut self) -> u32 {
-        self.len -= 1;
-        let next = self.child[self.len as usize];
+        self.len = self.len.wrapping_sub(1);
+        let next = self.child[usize::from(self.len)];
         self.next = std::hint::select_unpredictable(self.best != 0, NOTHING, next);
         self.next
     }
+}
+
+/// Eight entries of a stack, from one on.
+#[inline]
+fn eight<T>(stack: &[T; STACK], from: u8) -> &[T; WIDTH] {
+    let from = usize::from(from);
+    stack[from..from + WIDTH].first_chunk().expect("eight")
+}
+
+/// The same, to be written.
+#[inline]
+fn eight_mut<T>(stack: &mut [T; STACK], from: u8) -> &mut [T; WIDTH] {
+    let from = usize::from(from);
+    stack[from..from + WIDTH].first_chunk_mut().expect("eight")
 }
