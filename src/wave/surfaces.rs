@@ -104,7 +104,12 @@ impl Surfaces {
     /// Which way they lie.
     pub(crate) fn align(&mut self, listed: Listed, tables: &Tables) {
         if let Some(aligned) = &mut self.aligned {
-            align(listed, tables, self.surfaces.view(), aligned.view_mut());
+            align(
+                listed,
+                tables,
+                self.surfaces.view(),
+                &mut aligned.view_mut(),
+            );
             aligned.set_len(listed.len);
         }
     }
@@ -174,7 +179,7 @@ impl Surfaces {
                 with::<kinds::RoughDielectric<true>>(program, rows, materials, out);
             }
             Shader::Principled => {
-                with::<kinds::Principled<false, false>>(program, rows, materials, out)
+                with::<kinds::Principled<false, false>>(program, rows, materials, out);
             }
             Shader::PrincipledGlass => {
                 with::<kinds::Principled<true, false>>(program, rows, materials, out);

@@ -28,7 +28,7 @@ pub const ALIGN: Cost = Cost::new(
 .operations(surface::OPERATIONS + 60);
 
 /// Aligns the listed paths' surfaces, row by row of the list.
-pub fn align(listed: Listed, tables: &Tables, surfaces: Surfaces, aligned: AlignedMut) {
+pub fn align(listed: Listed, tables: &Tables, surfaces: Surfaces, aligned: &mut AlignedMut) {
     for i in (0..padded(listed.len)).step_by(LANES) {
         let at = load_u32(listed.index, i);
         let weights = (gather(listed.hits.u, at), gather(listed.hits.v, at));
