@@ -95,6 +95,15 @@ fn media_that_cannot_be() {
             "[materials.m]\nkind = \"dielectric\"\ninterior = \"mist\"\n",
             "s.toml:3:12: materials.m.interior: no medium `mist`, expected none",
         ),
+        (
+            "[media.mist]\n[materials.m]\nkind = \"dielectric\"\nthin = true\nexterior = \"mist\"\n",
+            "s.toml:5:12: materials.m.exterior: found in a `thin` pane, which has no inside",
+        ),
+        (
+            "[media.mist]\n[materials.m]\nkind = \"principled\"\nexterior = \"mist\"\n",
+            "s.toml:4:12: materials.m.exterior: `exterior` is for what light passes: `transmission` is \
+             0, or all is metal",
+        ),
     ] {
         assert_eq!(message(text), wrong);
     }

@@ -308,4 +308,27 @@ fn what_cannot_be_rendered_yet_is_named() {
     assert_eq!(plain.unsupported(), None);
     let unworn = scene("[materials.m]\n[materials.n]\nkind = \"dielectric\"\n");
     assert_eq!(unworn.unsupported(), None);
+    let ball = |material: &str| {
+        let text = format!(
+            "[materials.m]\n{material}\n[[shapes]]\nmaterial = \"m\"\n\
+             sphere = {{ center = [0, 0, 0], radius = 1 }}\n"
+        );
+        folder().with("s.toml", text).scene("s.toml").unsupported()
+    };
+    assert_eq!(ball("alpha = 0.5"), None);
+    assert_eq!(ball("emission = { file = \"red.png\" }"), None);
+    for (material, what) in [
+        ("alpha = 0.5\nemission = 1", "`alpha` beside `emission`"),
+        (
+            "two_sided = true\nemission = { file = \"red.png\" }",
+            "a `two_sided` image of `emission`",
+        ),
+    ] {
+        assert_eq!(
+            ball(material),
+            Some(format!(
+                "material `m` has {what} and is worn by a sphere, which cannot be rendered yet"
+            ))
+        );
+    }
 }

@@ -128,6 +128,38 @@ fn mistakes_of_the_scene_come_before_those_of_its_files() {
     }
 }
 
+/// Of what MTL files name too, each file once.
+#[test]
+fn bytes_of_textures_of_mtl_files_are_foreseen() {
+    let folder = Folder::new()
+        .with("a.obj", format!("mtllib a.mtl\nusemtl  wood \n{TRIANGLE}"))
+        .with(
+            "b.obj",
+            format!("mtllib a.mtl\nusemtl wood\n{TRIANGLE}usemtl tin\nf 1 2 3\n"),
+        )
+        .with(
+            "a.mtl",
+            "newmtl wood\nmap_Kd colours.png\nnewmtl tin\nKd 0.5 0.5 0.5\nmap_Pr grey.png\n\
+             newmtl unused\nmap_Kd other.png\n",
+        );
+    let colours = ImageBuffer::from_fn(64, 64, |x, y| Rgb([x as u8, y as u8, 7]));
+    for name in ["colours.png", "other.png", "own.png"] {
+        colours.save(folder.path(name)).unwrap();
+    }
+    let grey = ImageBuffer::from_fn(31, 5, |x, _| Luma([x as u8]));
+    grey.save(folder.path("grey.png")).unwrap();
+    let scene = folder.scene_of(
+        "[sky]\nradiance = 1\n[materials.m]\nalbedo = { file = \"own.png\" }\n\
+         [[shapes]]\nobj = \"a.obj\"\n[[shapes]]\nobj = \"b.obj\"\n[[shapes]]\nmaterial = \"m\"\n\
+         rectangle = { corner = [0, 0, 0], edges = [[1, 0, 0], [0, 1, 0]] }\n",
+    );
+    let source = Source::open(&folder.path("s.toml")).unwrap();
+    let foreseen = source.counts().unwrap().texture_bytes;
+    let there: usize = scene.textures.iter().map(|t| t.bytes()).sum();
+    assert_eq!(scene.textures.len(), 3);
+    assert_eq!(foreseen, there as u64);
+}
+
 /// What `--max-memory` counts of textures is what is there.
 #[test]
 fn bytes_of_textures_are_foreseen() {

@@ -67,6 +67,49 @@ fn partial_opacity() {
     ));
 }
 
+/// A ball of which one sees the far side through the near one, over a floor.
+fn ball(material: &str) -> Scene {
+    let text = format!(
+        "[camera]\norigin = [0.3, 1.2, 2.5]\ntarget = [0, 0.4, 0]\nfov = 30\n\
+         [film]\nwidth = 8\nheight = 8\nfilter = \"box\"\n\
+         [sky]\nradiance = [0.6, 0.5, 0.4]\n[materials.m]\n{material}\n\
+         [materials.lamp]\nalbedo = 0\nemission = 4\n\
+         [[lights]]\npoint = {{ position = [-0.5, 1.5, 0.2] }}\nintensity = 1\n\
+         [[shapes]]\n\
+         rectangle = {{ corner = [-2, 0, 2], edges = [[4, 0, 0], [0, 0, -4]] }}\n\
+         [[shapes]]\nmaterial = \"lamp\"\n\
+         rectangle = {{ corner = [0.3, 1.6, 0.4], edges = [[0, 0, -0.8], [0.8, 0, 0]] }}\n\
+         [[shapes]]\nmaterial = \"m\"\nsphere = {{ center = [0, 0, 0], radius = 0.5 }}\n\
+         transform = [{{ rotate = {{ axis = [1, 0, 1], degrees = 40 }} }}, {{ translate = [0, 0.5, 0] }}]\n"
+    );
+    folder().scene_of(&text)
+}
+
+#[test]
+fn masks_on_spheres() {
+    assert_images_agree(&ball(
+        "albedo = [0.8, 0.6, 0.4]\nalpha = { file = \"leaf.png\", scale = [3, 2] }\nalpha_cutoff = 0.6",
+    ));
+}
+
+#[test]
+fn partial_opacity_of_spheres() {
+    assert_images_agree(&ball(
+        "albedo = [0.9, 0.5, 0.2]\nalpha = { file = \"veil.png\", wrap = \"mirror\", factor = 0.8 }",
+    ));
+}
+
+/// A black ball before the sky is passed twice, each time by a chance of its own.
+#[test]
+fn a_ray_passes_each_side_of_a_sphere_by_itself() {
+    let text = "[camera]\norigin = [0, 0, 9]\ntarget = [0, 0, 0]\nfov = 1\n\
+         [film]\nwidth = 16\nheight = 16\nfilter = \"box\"\n[sky]\nradiance = 1\n\
+         [materials.m]\nalbedo = 0\nalpha = 0.4\n\
+         [[shapes]]\nmaterial = \"m\"\nsphere = { center = [0, 0, 0], radius = 1 }\n";
+    let seen = by_wave(&folder().scene_of(text), &of_images(Strategy::Mis)).overall(0);
+    assert_mean("through the ball", seen, 0.6 * 0.6, 1);
+}
+
 /// A stack of black sheets of opacity `a` before the sky, straight on: the chance to see it is the
 /// product of theirs, which it would not be if draws of one ray were alike.
 #[test]

@@ -197,6 +197,7 @@ fn spheres_elsewhere_change_no_bit_of_what_triangles_show() {
         centre: [0.0, 0.0, 50.0],
         radius: 1.0,
         material: 0,
+        turn: huygens::scene::Sphere::UPRIGHT,
     });
     for integrator in [Integrator::Normals, Integrator::Depth, Integrator::Albedo] {
         let settings = Settings {

@@ -118,6 +118,23 @@ fn images_of_partial_opacity() {
     ));
 }
 
+/// A ball that shines with an image, turned, over a floor.
+#[test]
+fn images_on_spheres() {
+    let folder = Folder::new();
+    let image = ImageBuffer::from_fn(6, 4, |x, y| image::Rgb([40 * x as u8, 80 * y as u8, 150]));
+    image.save(folder.path("i.png")).unwrap();
+    let scene = folder.scene_of(
+        "[camera]\norigin = [0.3, 1.6, 2.5]\ntarget = [0, 0.4, 0]\nfov = 48\n\
+         [film]\nwidth = 8\nheight = 8\nfilter = \"box\"\n[sky]\nradiance = 0.05\n\
+         [materials.m]\nalbedo = 0.3\nemission = { file = \"i.png\", factor = [4, 3, 5] }\n\
+         [[shapes]]\nrectangle = { corner = [-2, 0, 2], edges = [[4, 0, 0], [0, 0, -4]] }\n\
+         [[shapes]]\nmaterial = \"m\"\nsphere = { center = [0, 0, 0], radius = 0.4 }\n\
+         transform = [{ rotate = { axis = [1, 0, 1], degrees = 40 } }, { translate = [0, 0.7, 0] }]\n",
+    );
+    assert_agrees(&scene);
+}
+
 /// Selection by what each triangle's part of the image holds: the image has less noise than by what
 /// the image may hold at most, which is what `uniform` amounts to for triangles of one size.
 #[test]

@@ -3,7 +3,7 @@
 mod common;
 mod scene_folder;
 
-use common::agreement::assert_images_agree;
+use common::agreement::{assert_images_agree, of_images};
 use common::picture::{independent, render};
 use huygens::scene::Scene;
 use huygens::settings::{Integrator, Settings, Strategy};
@@ -109,6 +109,22 @@ fn spheres() {
         "albedo = 0.8\nbump_map = { file = \"heights.png\", strength = 0.05, scale = 2 }",
         ball,
     ));
+}
+
+/// Their coordinates turn with them, and are mirrored with them.
+#[test]
+fn spheres_that_were_turned() {
+    let ball = "[[shapes]]\nmaterial = \"m\"\nsphere = { center = [0, 0, 0], radius = 0.45 }\n\
+         transform = [{ scale = [-1, 1, 1] }, { rotate = { axis = [1, 0.3, -0.5], degrees = 70 } }, \
+         { translate = [0.55, 0.35, 0.1] }]\n";
+    let material = "albedo = { file = \"colours.png\", scale = [2, 1] }\n\
+         normal_map = { file = \"normals.png\", strength = 0.3, scale = [2, 1] }";
+    let turned = room(material, ball);
+    assert_images_agree(&turned);
+    let mut upright = turned.clone();
+    upright.spheres[0].turn = huygens::scene::Sphere::UPRIGHT;
+    let seen = |scene| render(scene, &of_images(Strategy::Mis)).0.mean;
+    assert_ne!(seen(&turned), seen(&upright));
 }
 
 #[test]

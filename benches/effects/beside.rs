@@ -35,6 +35,7 @@ pub(crate) fn ball(scene: &mut Scene) {
         centre: BEHIND,
         radius: 1.0,
         material,
+        turn: Sphere::UPRIGHT,
     });
 }
 

@@ -11,24 +11,12 @@ cd "$(dirname "$0")/../.."
 threshold=${THRESHOLD:-3}
 baseline=benches/instructions/baseline.tsv
 
-command -v valgrind >/dev/null || {
-  echo 'missing: valgrind (Debian: apt-get install valgrind)' >&2
-  exit 2
-}
 cargo build --release --quiet --locked
 program=${CARGO_TARGET_DIR:-target}/release/huygens
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-"$program" bench --stage | while read -r name items; do
-  ((items > 0)) || continue
-  valgrind --tool=callgrind --callgrind-out-file="$folder/out" --collect-atstart=no \
-    --toggle-collect='*stage*counted*' "$program" bench --stage "$name" \
-    >/dev/null 2>"$folder/log" </dev/null
-  count=$(sed -n 's/.*Collected : \([0-9]*\).*/\1/p' "$folder/log")
-  awk -v name="$name" -v count="$count" -v items="$items" \
-    'BEGIN { printf "%s\t%.1f\n", name, count / items }'
-done >"$folder/now.tsv"
+benches/instructions/count.sh "$program" | cut -f 1,2 >"$folder/now.tsv"
 
 if [[ ${1:-} == --save ]]; then
   { printf '# instructions an item, by scene/stage; %s\n' "$(rustc --version)"; cat "$folder/now.tsv"; } \

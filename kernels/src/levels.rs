@@ -16,6 +16,8 @@
 //! Input and output: as `traverse.rs`; numbers of hits are global, see [`World`]. Of equally near
 //! hits the one with the smallest number is taken.
 
+mod spheres;
+
 use crate::bvh::{Block, Bvh, LEAF, NOTHING, Node, index};
 use crate::flight::{Queue, prefetch};
 use crate::instance::Instance;
@@ -24,7 +26,7 @@ use crate::order::Stack;
 use crate::query::{ClosestHit, Occlusion, Prepared, Query};
 use crate::rays::{Hits, Rays, Segments};
 use crate::slabs::PAD;
-use crate::sphere::{self, SphereBlock};
+use crate::sphere::SphereBlock;
 use crate::triangle::normalize_exponent;
 use wide::{f32x4, u32x4};
 
@@ -311,7 +313,7 @@ fn fly<Q: Ask, F: Filter, const N: usize, const MOVES: bool>(
                     slot.stacks[slot.level].push::<Q>(node, hits, enter);
                 }
                 BLOCKS => visit::<Q, F>(slot, &world.bvh.blocks[index(slot.next)], filter),
-                SPHERES => roll::<Q>(slot, &world.spheres[index(slot.next)]),
+                SPHERES => spheres::roll::<Q, F>(slot, &world.spheres[index(slot.next)], filter),
                 _ => enter::<_, MOVES>(world, slot, times),
             }
         }
@@ -437,26 +439,6 @@ fn visit<Q: Ask, F: Filter>(slot: &mut Slot<Q::State>, block: &Block, filter: &F
             && !Q::spares(&slot.state, primitive);
         if counts && (!F::ASKS || filter.accepts(slot.id, primitive, u, v)) {
             Q::take(&mut slot.state, primitive, t, || [u, v]);
-        }
-    }
-}
-
-/// Tests a block of spheres.
-#[inline(always)]
-fn roll<Q: Ask>(slot: &mut Slot<Q::State>, block: &SphereBlock) {
-    let leaves = Q::leaves(&slot.state);
-    let met = sphere::meet(block, slot.origin, slot.direction, leaves);
-    for lane in 0..sphere::BLOCK {
-        let primitive = block.primitive.as_array()[lane];
-        let t = met.t[lane] as f32;
-        let hit = t > 0.0 && t < f32::INFINITY;
-        let counts =
-            hit && Q::wants(&slot.state, primitive, t) && !Q::spares(&slot.state, primitive);
-        if counts {
-            let (o, d) = (slot.origin, slot.direction);
-            Q::take(&mut slot.state, primitive, t, || {
-                sphere::normal_at(block, lane, o, d, met.t[lane])
-            });
         }
     }
 }

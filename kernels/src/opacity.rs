@@ -12,7 +12,7 @@
 
 use crate::interpolate::Attributes;
 use crate::levels::Filter;
-use crate::others::{Home, coordinates_at};
+use crate::others::Home;
 use crate::tables::Triangles;
 use crate::texture::{NO_TEXTURE, Textures};
 
@@ -71,8 +71,8 @@ impl<N: Fn(usize) -> [u32; 3]> Filter for There<'_, N> {
         }
         let alpha = all.at(row, primitive, u, v);
         if row.cutoff.is_nan() {
-            let [pixel, sample, which] = (self.name)(ray);
-            number([pixel, sample, which], all.seed, primitive) < alpha
+            let name = (self.name)(ray);
+            number(name, all.seed, all.layer(primitive, u)) < alpha
         } else {
             alpha >= row.cutoff
         }
@@ -80,6 +80,16 @@ impl<N: Fn(usize) -> [u32; 3]> Filter for There<'_, N> {
 }
 
 impl Opacities<'_> {
+    /// What tells the surfaces that a ray may pass apart: of a triangle its number; of a sphere, which is
+    /// passed twice, also where.
+    fn layer(&self, primitive: u32, u: f32) -> u32 {
+        let others = self.coordinates.triangles.others.as_ref();
+        match others.filter(|others| others.is_sphere(primitive)) {
+            Some(_) => primitive ^ scattered(u.to_bits()),
+            None => primitive,
+        }
+    }
+
     /// The opacity at a point of a triangle that wears the material of `row`.
     fn at(&self, row: &Opacity, primitive: u32, u: f32, v: f32) -> f32 {
         if row.texture == NO_TEXTURE {
@@ -108,7 +118,7 @@ impl Coordinates<'_> {
             (Some(corners), _) => (corners, self.attributes.uvs),
             (None, Some(others)) => match others.home(primitive) {
                 Home::Object(object, i) => (&object.indices[i], object.attributes.uvs),
-                Home::Sphere => return coordinates_at(u, v),
+                Home::Sphere(i) => return others.coordinates_on_sphere(i, u, v),
             },
             (None, None) => return [0.0; 2],
         };

@@ -19,8 +19,6 @@
 
 mod interpolate;
 
-pub(crate) use interpolate::coordinates_at;
-
 use crate::instance::{Guide, Instance, OWN_MATERIAL};
 use crate::interpolate::Attributes;
 use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask};
@@ -46,8 +44,8 @@ pub struct Object<'a> {
 /// What a number behind those of the world's triangles means.
 #[derive(Clone, Copy, Debug)]
 pub enum Home<'a> {
-    /// A sphere.
-    Sphere,
+    /// A sphere, by its index.
+    Sphere(usize),
     /// A triangle of an object, by its index there.
     Object(&'a Object<'a>, usize),
 }
@@ -61,6 +59,9 @@ pub struct Others<'a> {
     pub spheres: &'a [Sphere],
     /// Material of each sphere.
     pub sphere_material: &'a [u32],
+    /// Rows of the rotation from directions of the world to each sphere's own; empty where all are those of
+    /// the world.
+    pub sphere_turns: &'a [[[f32; 3]; 3]],
     /// Probability with which next-event estimation selects each sphere.
     pub sphere_selection: &'a [f32],
     /// Instances, by rising number of the first triangle.
@@ -134,7 +135,7 @@ impl Others<'_> {
     pub fn home(&self, primitive: u32) -> Home<'_> {
         match self.part(primitive) {
             Part::Triangle(_) => unreachable!("it is one of the world"),
-            Part::Sphere(_) => Home::Sphere,
+            Part::Sphere(i) => Home::Sphere(i),
             Part::Copy(instance, i) => Home::Object(&self.objects[instance.object as usize], i),
         }
     }
@@ -152,12 +153,36 @@ impl Others<'_> {
         (moved, Fx::new(roundings))
     }
 
+    /// Whether something is a sphere.
+    #[inline]
+    #[must_use]
+    pub fn is_sphere(&self, primitive: u32) -> bool {
+        let i = primitive.checked_sub(self.first);
+        i.is_some_and(|i| (i as usize) < self.spheres.len())
+    }
+
     /// Lanes that hold spheres.
     #[inline(always)]
     #[must_use]
     pub fn are_spheres(&self, primitive: Ux) -> Mask {
         let end = self.first + self.spheres.len() as u32;
         as_mask(!primitive.simd_lt(Ux::splat(self.first)) & primitive.simd_lt(Ux::splat(end)))
+    }
+
+    /// The octahedral maps of the directions in which points lie from the centres of spheres `primitive`;
+    /// of lanes that hold none, of some direction.
+    pub(crate) fn normal_towards(&self, primitive: Ux, point: Vec3x) -> [Fx; 2] {
+        let names = primitive.to_array();
+        let codes: [[f32; 2]; LANES] = std::array::from_fn(|lane| {
+            let ball = names[lane].checked_sub(self.first);
+            let ball = ball.and_then(|i| self.spheres.get(i as usize));
+            let at = point.lane(lane);
+            let from =
+                |ball: &Sphere| [0, 1, 2].map(|k| f64::from(at[k]) - f64::from(ball.centre[k]));
+            let from = ball.map(from).filter(|n| *n != [0.0; 3]);
+            sphere::encode(from.unwrap_or([0.0, 0.0, 1.0]))
+        });
+        [0, 1].map(|k| Fx::new(codes.map(|code| code[k])))
     }
 
     /// Where hits are, whatever was hit, at their `times` if anything moves.

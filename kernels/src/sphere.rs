@@ -74,6 +74,8 @@ impl SphereBlock {
 pub struct Met {
     /// The first hit at `t > 0`; infinite where there is none.
     pub t: [f64; BLOCK],
+    /// The hit behind that one, where the first was on the near side; infinite elsewhere.
+    pub behind: [f64; BLOCK],
 }
 
 fn in_f64(x: f32x4) -> f64x4 {
@@ -109,8 +111,10 @@ pub fn meet(block: &SphereBlock, origin: [f32; 3], direction: [f32; 3], leaves: 
     let own: f64x4 = bytemuck::cast(own.map(|own| if own { !0u64 } else { 0 }));
     let again = inwards.select(one, infinite);
     let met = discriminant.simd_ge(f64x4::ZERO);
+    let two = near.simd_gt(f64x4::ZERO).select(far, infinite);
     Met {
         t: met.select(own.select(again, first), infinite).to_array(),
+        behind: met.select(own.select(infinite, two), infinite).to_array(),
     }
 }
 

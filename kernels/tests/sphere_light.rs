@@ -25,6 +25,7 @@ fn with_lamp(h: f32, r: f32, test: impl Fn(&Tables, &Others, &Anchor)) {
         spheres: &spheres,
         sphere_material: &[0],
         sphere_selection: ONE,
+        sphere_turns: &[],
         instances: &[],
         motions: &[],
         guide: &guide,

@@ -15,6 +15,8 @@ pub(super) struct Sphere {
     pub(super) centre: DVec3,
     pub(super) radius: f64,
     pub(super) material: u32,
+    /// Rows of the rotation to its own directions.
+    pub(super) turn: [DVec3; 3],
 }
 
 impl Sphere {
@@ -23,6 +25,7 @@ impl Sphere {
             centre: vector(sphere.centre),
             radius: sphere.radius.into(),
             material: sphere.material,
+            turn: sphere.turn.map(vector),
         }
     }
 
@@ -40,19 +43,24 @@ impl Sphere {
         }
     }
 
-    /// Ray parameter of the first hit beyond `nearest`. A ray that `leaves` the sphere is on it: one
-    /// root is 0, the other is the hit.
-    pub(super) fn intersect(&self, ray: &Ray, leaves: bool, nearest: f64) -> Option<f64> {
+    /// Ray parameters of the hits beyond `nearest`, the first one first. A ray that `leaves` the sphere is
+    /// on it: one root is 0, the other is the hit.
+    pub(super) fn intersect(
+        &self,
+        ray: &Ray,
+        leaves: bool,
+        nearest: f64,
+    ) -> impl Iterator<Item = f64> {
         let f = ray.origin - self.centre;
         let half = -f.dot(ray.direction);
-        if leaves {
-            return Some(2.0 * half).filter(|&t| t > nearest);
-        }
         let root = (half * half - (f.length_squared() - self.radius * self.radius)).sqrt();
+        let roots = if leaves {
+            [0.0, 2.0 * half]
+        } else {
+            [half - root, half + root]
+        };
         // No comparison holds of the root of a negative number.
-        [half - root, half + root]
-            .into_iter()
-            .find(|&t| t > nearest)
+        roots.into_iter().filter(move |&t| t > nearest)
     }
 }
 

@@ -3,6 +3,7 @@
 //! without mip levels.
 
 use super::carried::Carried;
+use super::sphere::Sphere;
 use super::vector;
 use crate::scene::material::{Channel, Material, Relief, TexelFilter, TextureUse, Textured, Wrap};
 use crate::scene::texture::{TexelFormat, Texture};
@@ -57,24 +58,33 @@ impl Point {
         point
     }
 
-    /// The point of a sphere of that radius with the unit normal `n`: longitude and latitude about +y,
-    /// the middle of the image towards +z.
-    pub(super) fn on_sphere(scene: &Scene, n: DVec3, radius: f64, material: &Material) -> Self {
+    /// The point of a sphere with the unit normal `outside`: longitude and latitude about its own +y, the
+    /// middle of the image towards its own +z.
+    pub(super) fn on_sphere(
+        scene: &Scene,
+        sphere: &Sphere,
+        outside: DVec3,
+        material: &Material,
+    ) -> Self {
+        let (turn, radius) = (sphere.turn, sphere.radius);
+        let n = DVec3::from_array(turn.map(|row| row.dot(outside)));
+        let to_world = |v: DVec3| turn[0] * v.x + turn[1] * v.y + turn[2] * v.z;
         let uv = DVec2::new(
             0.5 + n.x.atan2(n.z) / TAU,
             0.5 + n.y.clamp(-1.0, 1.0).asin() / PI,
         );
         let mut point = Self {
             uv,
-            normal: n,
+            normal: outside,
             coherence: 1.0,
             along: None,
         };
         // Of the place, by longitude and latitude.
         let by_u = DVec3::new(n.z, 0.0, -n.x) * (TAU * radius);
         if let Some(east) = by_u.try_normalize() {
-            point.along = Some(east);
-            point.bend(scene, material, [by_u, n.cross(east) * (PI * radius)], n);
+            point.along = Some(to_world(east));
+            let by_v = to_world(n.cross(east) * (PI * radius));
+            point.bend(scene, material, [to_world(by_u), by_v], outside);
         }
         point
     }

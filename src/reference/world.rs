@@ -105,9 +105,12 @@ impl<'a> World<'a> {
             let surface = self.triangles.len() + i;
             let farthest = closest.as_ref().map_or(f64::INFINITY, |hit| hit.t);
             let leaves = ray.leaves == Some(surface);
-            if let Some(t) = sphere.intersect(ray, leaves, nearest)
-                && t < farthest
-            {
+            let first = sphere.intersect(ray, leaves, nearest).find(|t| {
+                let point = ray.origin + *t * ray.direction;
+                let outside = (point - sphere.centre).normalize();
+                *t < farthest && self.is_there_on(rng, sphere, outside)
+            });
+            if let Some(t) = first {
                 closest = Some(Hit {
                     surface,
                     t,
@@ -166,7 +169,18 @@ impl<'a> World<'a> {
         let triangle = &self.triangles[i];
         let material = &self.scene.materials[triangle.material as usize];
         let presence = presence(self.scene, material, triangle.carried.uv(weights));
-        presence >= 1.0 || (presence > 0.0 && uniform(rng) < presence)
+        drawn(rng, presence)
+    }
+
+    /// Whether a sphere is there for a ray, where its unit normal is `outside`.
+    fn is_there_on(&self, rng: &mut impl Rng, sphere: &Sphere, outside: DVec3) -> bool {
+        let material = &self.scene.materials[sphere.material as usize];
+        if material.alpha.is_none() {
+            return true;
+        }
+        let plain = Material::diffuse("", [0.0; 3], [0.0; 3]);
+        let uv = Point::on_sphere(self.scene, sphere, outside, &plain).uv;
+        drawn(rng, presence(self.scene, material, uv))
     }
 
     /// A hit on a front whose unit normal is `outside`, as `material` shows it.
@@ -175,7 +189,7 @@ impl<'a> World<'a> {
             Some(t) => Point::new(self.scene, &t.carried, hit.weights, outside, material),
             None => {
                 let sphere = &self.spheres[hit.surface - self.triangles.len()];
-                Point::on_sphere(self.scene, outside, sphere.radius, material)
+                Point::on_sphere(self.scene, sphere, outside, material)
             }
         }
     }
@@ -201,6 +215,11 @@ impl<'a> World<'a> {
             }
         }
     }
+}
+
+/// True with this probability, or surely.
+fn drawn(rng: &mut impl Rng, presence: f64) -> bool {
+    presence >= 1.0 || (presence > 0.0 && uniform(rng) < presence)
 }
 
 impl Triangle {

@@ -3,6 +3,7 @@
 use super::compiled::{Extent, Filter, Projection, Scene};
 use super::light::{LightKind, Sky};
 use super::material::{Bsdf, Material, Textured};
+use super::placed::Sphere;
 
 /// BLAKE3 of the tables that the image depends on, in a fixed order, each with its length. Names,
 /// warnings and settings have no part in it.
@@ -62,6 +63,9 @@ pub(super) fn of(scene: &Scene) -> [u8; 32] {
             let [x, y, z] = s.centre;
             table(bytemuck::cast_slice(&[x, y, z, s.radius]));
             table(&s.material.to_le_bytes());
+            if s.turn != Sphere::UPRIGHT {
+                table(bytemuck::cast_slice(&s.turn));
+            }
         }
         for object in &scene.objects {
             let mesh = &object.mesh;

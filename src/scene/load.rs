@@ -10,10 +10,11 @@ use super::import::{Counts, Format, Imported};
 use super::lights;
 use super::shapes::Shapes;
 use super::surfaces::{self, Surfaces};
-use super::texture::Store;
+use super::texture::{Request, Store};
 use super::toml::SceneFile;
 use crate::settings::Preset;
 use rayon::prelude::*;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicU64;
 
@@ -148,21 +149,23 @@ impl Source {
     /// look through those that have none, without keeping anything: exact, but for vertices that no
     /// triangle uses and triangles of zero area, which loading leaves out; for vertices that are split
     /// where corners of an OBJ file disagree about normals or texture coordinates, which are not
-    /// foreseen, nor are textures that MTL files name; and for polygons of PLY files with further lists, of which it is an upper bound.
+    /// foreseen; and for polygons of PLY files with further lists, of which it is an upper bound.
     ///
     /// # Errors
     /// A file that cannot be read, or a header that is wrong.
     pub fn counts(&self) -> Result<Counts, SceneError> {
         let count = |file: &GeometryFile| {
-            let one = file.format.count(&file.path)?;
+            let (one, textures) = file.format.count(&file.path)?;
             let times = file.uses as u64;
-            Ok(Counts {
+            let counts = Counts {
                 vertices: one.vertices.saturating_mul(times),
                 triangles: one.triangles.saturating_mul(times),
                 ..Counts::default()
-            })
+            };
+            Ok((counts, textures))
         };
-        let counts: Vec<Result<Counts, SceneError>> = self.files.par_iter().map(count).collect();
+        type Count = Result<(Counts, Vec<Request>), SceneError>;
+        let counts: Vec<Count> = self.files.par_iter().map(count).collect();
         let inline = self.native.iter();
         let inline = inline.flat_map(|native| native.said.all_shapes());
         let mut all = inline
@@ -171,11 +174,14 @@ impl Source {
         let instances = self.native.iter().flat_map(|native| &native.said.instances);
         all.instances = instances.map(|i| u64::from(i.get_ref().copies())).sum();
         let textures = self.native.iter().flat_map(|n| &n.surfaces.wanted);
-        let textures = textures.map(|wanted| wanted.request.bytes());
-        all.texture_bytes = textures.fold(0, u64::saturating_add);
+        let mut textures: HashSet<Request> = textures.map(|w| w.request.clone()).collect();
         for counts in counts {
-            all = all + counts?;
+            let (counts, more) = counts?;
+            all = all + counts;
+            textures.extend(more);
         }
+        let bytes = textures.iter().map(Request::bytes);
+        all.texture_bytes = bytes.fold(0, u64::saturating_add);
         Ok(all)
     }
 

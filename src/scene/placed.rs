@@ -15,9 +15,15 @@ pub struct Sphere {
     pub radius: f32,
     /// Material index.
     pub material: u32,
+    /// Rows of the rotation, perhaps with a mirror, from directions of the world to its own, in which its
+    /// texture coordinates are longitude and latitude about +y.
+    pub turn: [[f32; 3]; 3],
 }
 
 impl Sphere {
+    /// The [`Sphere::turn`] of one that was not turned.
+    pub const UPRIGHT: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
     /// Its surface's area.
     #[must_use]
     pub fn area(&self) -> f64 {

@@ -407,6 +407,10 @@ fn sphere(ball: &Ball, transform: &DAffine3, material: u32) -> Result<Sphere, &'
         centre: centre.as_vec3().to_array(),
         radius: (ball.radius.0 * scale.sqrt()) as f32,
         material,
+        // The inverse of what is orthogonal but for a scale: its columns are the rows here.
+        turn: (columns * scale.sqrt().recip())
+            .to_cols_array_2d()
+            .map(|column| column.map(|c| c as f32)),
     };
     let [x, y, z] = sphere.centre;
     let fits = [x, y, z, sphere.radius].into_iter().all(f32::is_finite);

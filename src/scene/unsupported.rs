@@ -18,10 +18,10 @@ impl Scene {
         }
         self.spheres.iter().find_map(|sphere| {
             let m = &self.materials[sphere.material as usize];
-            let what = if m.alpha.is_some() {
-                "`alpha`"
-            } else {
-                m.emission_varies().then_some("an image of `emission`")?
+            let what = match (m.emits(), m.alpha.is_some(), m.emission.texture.is_some()) {
+                (true, true, _) => "`alpha` beside `emission`",
+                (true, _, true) if m.two_sided => "a `two_sided` image of `emission`",
+                _ => return None,
             };
             Some(format!(
                 "material `{}` has {what} and is worn by a sphere, which cannot be rendered yet",

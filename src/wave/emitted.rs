@@ -6,7 +6,7 @@
 //! without a chance.
 
 use super::tables::luminance;
-use crate::scene::{Scene, Texture};
+use crate::scene::{Material, Scene, Texture};
 use huygens_kernels::lanes::{Fx, LANES, Ux};
 use huygens_kernels::texture::{TextureUse, Textures};
 use rayon::prelude::*;
@@ -49,6 +49,18 @@ pub(super) fn by_triangle(scene: &Scene) -> Vec<f64> {
         .into_par_iter()
         .map(triangle)
         .collect()
+}
+
+/// What the luminance of a sphere is of that of the material that it wears, in the mean over the image as it
+/// lies on the map; see the head of this file for what is added.
+pub(super) fn share_of_sphere(scene: &Scene, m: &Material) -> f64 {
+    let Some(read) = m.emission.texture.filter(|_| m.emits()) else {
+        return 1.0;
+    };
+    let range = scene.textures[read.texture as usize].range;
+    let whole = luminance(m.emission.factor);
+    let seen = luminance(m.emission.mean(&scene.textures)) / whole;
+    seen + LEAST * f64::from(range[1].max(0.0))
 }
 
 /// (u, v) of a triangle's corners; 0 where one has none.

@@ -85,7 +85,9 @@ impl LightTables {
         }
         // Spheres are left out of the tree.
         for (i, sphere) in scene.spheres.iter().enumerate() {
-            let power = exitance[sphere.material as usize] * sphere.area();
+            let material = sphere.material as usize;
+            let share = emitted::share_of_sphere(scene, &scene.materials[material]);
+            let power = exitance[material] * share * sphere.area();
             if power > 0.0 {
                 let source = (scene.mesh.triangles() + i) as u32;
                 far.push(Powered { source, power });

@@ -7,7 +7,7 @@ use super::account::Stage;
 use super::plan::QueuePlan;
 use super::setup::Setup;
 use super::tally::{Tally, for_each_run};
-use huygens_kernels::bare::{COMPLETE, called_for};
+use huygens_kernels::bare::COMPLETE;
 use huygens_kernels::bsdf;
 use huygens_kernels::cost::Cost;
 use huygens_kernels::lanes::LANES;
@@ -235,7 +235,8 @@ impl Lists {
     ) {
         let triangles = &setup.tables.triangles;
         let far = setup.routes.only.is_none() && prefetch::is_worth_it(triangles);
-        match (COMPLETE && setup.medium_list.is_some(), far) {
+        let rare = setup.medium_list.is_some() || setup.mixtures.is_some();
+        match (COMPLETE && rare, far) {
             (false, false) => self.sort_with::<false, false>(n, paths, hits, setup, wanted),
             (false, true) => self.sort_with::<false, true>(n, paths, hits, setup, wanted),
             (true, false) => self.sort_with::<true, false>(n, paths, hits, setup, wanted),
@@ -243,9 +244,10 @@ impl Lists {
         }
     }
 
-    /// `MEDIA` where paths may have been scattered before they met anything: they go to a list of their own.
+    /// `RARE` where paths may have been scattered before they met anything, and go to a list of their own,
+    /// or where mixtures are drawn from.
     /// `FAR` where materials are worth being asked for ahead.
-    fn sort_with<const MEDIA: bool, const FAR: bool>(
+    fn sort_with<const RARE: bool, const FAR: bool>(
         &mut self,
         n: usize,
         paths: Paths,
@@ -253,6 +255,7 @@ impl Lists {
         setup: &Setup,
         wanted: Wanted,
     ) {
+        // No hit is in a medium where there is no such list.
         let medium = setup.medium_list.unwrap_or(0);
         let routes = &setup.routes;
         let triangles = &setup.tables.triangles;
@@ -268,7 +271,7 @@ impl Lists {
                 if FAR && let Some(&later) = primitives.get(i + AHEAD) {
                     prefetch::ask_for(triangles.material, later);
                 }
-                if MEDIA && primitive == IN_MEDIUM {
+                if RARE && primitive == IN_MEDIUM {
                     self.scatter[medium].push_if(i, paths.bounces[i] & LAST_RAY == 0);
                 } else if primitive == NO_PRIMITIVE {
                     self.sky.push_if(i, wanted.sky && light);
@@ -282,9 +285,7 @@ impl Lists {
                     };
                     self.emission
                         .push_if(i, wanted.emission && light && route.emits);
-                    if let (Some(mixtures), Some(met)) =
-                        (called_for(setup.mixtures.as_ref()), &mut self.met)
-                    {
+                    if RARE && let (Some(mixtures), Some(met)) = (&setup.mixtures, &mut self.met) {
                         met[i] = mixtures.draw(&paths, &hits, i, material);
                         route = routes.of[met[i] as usize];
                     }

@@ -6,7 +6,7 @@ use super::media::MediaTables;
 use super::parameters::Parameters;
 use crate::effects;
 use crate::geometry::Geometry;
-use crate::scene::{Mesh, Scene};
+use crate::scene::{Mesh, Scene, Sphere};
 use crate::settings::Settings;
 use huygens_kernels::interpolate::Attributes;
 use huygens_kernels::opacity::{Coordinates, Opacities};
@@ -24,6 +24,8 @@ pub(crate) struct SceneTables<'a> {
     pub(crate) lights: LightTables,
     objects: Vec<Object<'a>>,
     sphere_material: Vec<u32>,
+    /// Empty where no sphere was turned.
+    sphere_turns: Vec<[[f32; 3]; 3]>,
     /// Where materials read images.
     images: Option<ImageTables<'a>>,
     media: Option<MediaTables>,
@@ -65,6 +67,9 @@ impl<'a> SceneTables<'a> {
         };
         self.objects = scene.objects.iter().map(object).collect();
         self.sphere_material = scene.spheres.iter().map(|s| s.material).collect();
+        if scene.spheres.iter().any(|s| s.turn != Sphere::UPRIGHT) {
+            self.sphere_turns = scene.spheres.iter().map(|s| s.turn).collect();
+        }
     }
 
     fn view_of_others(&'a self, scene: &'a Scene, geometry: &'a Geometry) -> Option<Others<'a>> {
@@ -73,6 +78,7 @@ impl<'a> SceneTables<'a> {
             first: scene.mesh.triangles() as u32,
             spheres: geometry.spheres(),
             sphere_material: &self.sphere_material,
+            sphere_turns: &self.sphere_turns,
             sphere_selection: &self.lights.sphere_selection,
             instances,
             motions: geometry.motions(),

@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 pub(crate) mod agreement;
+pub(crate) mod media;
 pub(crate) mod picture;
 pub(crate) mod scenes;
 pub(crate) mod statistics;

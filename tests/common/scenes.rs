@@ -103,6 +103,7 @@ impl Builder {
             centre,
             radius,
             material,
+            turn: Sphere::UPRIGHT,
         });
     }
 

@@ -84,6 +84,7 @@ pub fn mixed(copies: usize, balls: usize, seed: u64) -> Scene {
             centre: random.point(),
             radius: 0.2 * random.unit().powi(3) + 1e-4,
             material: 0,
+            turn: Sphere::UPRIGHT,
         });
     }
     scene.mesh = super::moved(bumpy_sphere(3, 0.05), 2.5, [0.0; 3]);

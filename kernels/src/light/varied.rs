@@ -5,7 +5,8 @@
 //! what texels are multiplied with, what the occlusion rays carry is corrected by a pass of its own,
 //! in scenes that call for it; so that no kernel that samples lights knows of images. The point is
 //! where the ray ends: its barycentric weights are those of the point's projection onto the triangle,
-//! off by a few roundings of its coordinates over the triangle's size.
+//! off by a few roundings of its coordinates over the triangle's size. Of a sphere, it is the direction in
+//! which the point lies from the centre.
 //!
 //! The whole image is read, whatever the distance, here and where paths find the light
 //! (`emission`): both see the same light, at the same pdf. A point that is not wholly there shines by
@@ -15,8 +16,9 @@
 
 use crate::cost::{Cost, columns};
 use crate::images::{Images, Read};
-use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask, gather_u32, load, load_u32, padded};
+use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask, load, load_u32, padded};
 use crate::queues::ShadowsMut;
+use crate::sphere_light;
 use crate::surface::{Corners, TRIANGLE_BYTES};
 use crate::tables::{Tables, Triangles};
 use crate::vec3::Vec3x;
@@ -41,19 +43,36 @@ pub fn vary(n: usize, shadows: &mut ShadowsMut, tables: &Tables) {
     let images = tables.images.as_ref().expect("a scene of varied lights");
     let triangles = &tables.triangles;
     let count = Ux::splat(triangles.indices.len() as u32);
+    let others = triangles.others.as_ref();
+    let others = others.filter(|others| !others.spheres.is_empty());
     for i in (0..padded(n)).step_by(LANES) {
         let reaches = load_u32(shadows.reaches, i);
-        let own = as_mask(reaches.simd_lt(count));
-        // Lanes that reach nothing borrow a triangle.
-        let light = as_bits(own) & reaches;
-        let material = gather_u32(triangles.material, light);
-        if own.none() || !images.vary_emission(material).any() {
+        let flat = as_mask(reaches.simd_lt(count));
+        let round = others.map_or(Fx::ZERO, |others| others.are_spheres(reaches));
+        let own = flat | round;
+        if own.none() {
+            continue;
+        }
+        // Lanes that reach nothing borrow what some lane reaches.
+        let some =
+            Ux::splat(reaches.as_array()[own.to_bitmask().trailing_zeros() as usize % LANES]);
+        let light = as_bits(own).select(reaches, some);
+        let material = Ux::new(light.to_array().map(|p| triangles.material_of(p)));
+        if !images.vary_emission(material).any() {
             continue;
         }
         let at = |columns: &[&mut [f32]; 3]| Vec3x::load([columns[0], columns[1], columns[2]], i);
         let t = load(shadows.t_max, i);
         let point = at(&shadows.direction).scale_add(t, at(&shadows.origin));
-        let (u, v) = weights(triangles, light, point);
+        let (mut u, mut v) = (Fx::ZERO, Fx::ZERO);
+        if let Some(triangle) = sphere_light::triangles_only(light, !flat) {
+            (u, v) = weights(triangles, triangle, point);
+        }
+        if let Some(others) = others.filter(|_| round.any()) {
+            let [x, y] = others.normal_towards(light, point);
+            u = round.select(x, u);
+            v = round.select(y, v);
+        }
         let share = emission(tables, images, light, material, own, u, v);
         let opacity = images.opacity_at(tables, light, material, u, v);
         let share = share * opacity;

@@ -3,8 +3,8 @@
 //! A copy is interpolated as if it had been put into the world: its edges by `A`, its corners' normals
 //! by the transpose of `B`, of unit length again (`instance.rs` for the letters).
 //!
-//! *Spheres* have longitude and latitude about +y, however they were turned: from the middle of the
-//! image, which faces +z, `u = 1/2 + atan2(n.x, n.z) / (2 pi)` rises to the east, seen from outside
+//! *Spheres* have longitude and latitude about their own +y: from the middle of the
+//! image, which faces their own +z, `u = 1/2 + atan2(n.x, n.z) / (2 pi)` rises to the east, seen from outside
 //! to the right, and `v = 1/2 + asin(n.y) / pi` from the south pole to the north.
 
 use super::{HOME, Maps, Others, Part, corners_of, transform};
@@ -58,6 +58,7 @@ impl Others<'_> {
         let mut codes = [[octahedral::NONE; LANES]; 3];
         let mut uvs = [[[f32::NAN; LANES]; 2]; 3];
         let mut radius = [1.0; LANES];
+        let mut turns = [[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]; LANES];
         for lane in 0..LANES {
             let (vertices, vertex, from) = match self.part(names[lane]) {
                 Part::Triangle(i) => (triangles.vertices, triangles.indices[i], attributes),
@@ -68,6 +69,9 @@ impl Others<'_> {
                 }
                 Part::Sphere(i) => {
                     radius[lane] = self.spheres[i].radius;
+                    if let Some(turn) = self.sphere_turns.get(i) {
+                        turns[lane] = *turn;
+                    }
                     continue;
                 }
             };
@@ -102,7 +106,8 @@ impl Others<'_> {
         if spheres.none() {
             return on_triangle;
         }
-        let on_sphere = on_sphere(outside, Fx::new(radius));
+        let turn = (!self.sphere_turns.is_empty()).then(|| Turn::of(&turns));
+        let on_sphere = on_sphere(outside, Fx::new(radius), turn);
         Interpolated::select(spheres, &on_sphere, &on_triangle)
     }
 }
@@ -117,14 +122,48 @@ pub(crate) fn coordinates_on_sphere(n: Vec3x) -> [Fx; 2] {
     [turn + half, height.mul_add(Fx::splat(INV_PI), half)]
 }
 
-/// The same of what `sphere.rs` says of a hit, for one point.
-pub(crate) fn coordinates_at(u: f32, v: f32) -> [f32; 2] {
-    let n = sphere::decode(Fx::splat(u), Fx::splat(v));
-    coordinates_on_sphere(n).map(|x| x.as_array()[0])
+impl Others<'_> {
+    /// The texture coordinates of what `sphere.rs` says of a hit, for one point of sphere `i`.
+    #[must_use]
+    pub(crate) fn coordinates_on_sphere(&self, i: usize, u: f32, v: f32) -> [f32; 2] {
+        let mut n = sphere::decode(Fx::splat(u), Fx::splat(v));
+        if let Some(turn) = self.sphere_turns.get(i) {
+            n = Turn::of(&[*turn; LANES]).to_own(n);
+        }
+        coordinates_on_sphere(n).map(|x| x.as_array()[0])
+    }
 }
 
-/// Points of spheres whose unit normals there are `n`.
-fn on_sphere(n: Vec3x, radius: Fx) -> Interpolated {
+/// How spheres are turned, one a lane.
+#[derive(Clone, Copy)]
+struct Turn {
+    rows: [Vec3x; 3],
+}
+
+impl Turn {
+    fn of(turns: &[[[f32; 3]; 3]; LANES]) -> Self {
+        let entry = |r: usize, c: usize| Fx::new(turns.map(|turn| turn[r][c]));
+        Self {
+            rows: [0, 1, 2].map(|r| Vec3x::new(entry(r, 0), entry(r, 1), entry(r, 2))),
+        }
+    }
+
+    /// A direction of the world as the sphere has it.
+    fn to_own(self, v: Vec3x) -> Vec3x {
+        let [x, y, z] = self.rows.map(|row| row.dot(v));
+        Vec3x::new(x, y, z)
+    }
+
+    /// The way back.
+    fn to_world(self, v: Vec3x) -> Vec3x {
+        let [x, y, z] = self.rows;
+        x.scale_add(v.x, y.scale_add(v.y, z * v.z))
+    }
+}
+
+/// Points of spheres whose unit normals there are `normal`.
+fn on_sphere(normal: Vec3x, radius: Fx, turn: Option<Turn>) -> Interpolated {
+    let n = turn.map_or(normal, |turn| turn.to_own(normal));
     let uv = coordinates_on_sphere(n);
     let from_axis = (n.x * n.x + n.z * n.z).sqrt();
     let regular = from_axis.simd_gt(Fx::ZERO);
@@ -135,16 +174,20 @@ fn on_sphere(n: Vec3x, radius: Fx) -> Interpolated {
         regular & -(n.x * by),
     );
     let north = n.cross(east);
-    let (turn, half_turn) = (Fx::splat(0.5 * INV_PI) / radius, Fx::splat(INV_PI) / radius);
+    let by_v = Fx::splat(INV_PI) / radius;
+    let by_u = by_v * Fx::splat(0.5) * by;
+    let uv_per_length = (by_u * by_v).sqrt();
+    let back = |v: Vec3x| turn.map_or(v, |turn| turn.to_world(v));
+    let (east, north) = (back(east), back(north));
     Interpolated {
-        normal: n,
+        normal,
         coherence: Fx::ONE,
         uv,
         tangent: east,
         bitangent: north,
-        gradient_u: east * (turn * by),
-        gradient_v: (north * half_turn).keep(regular),
-        uv_per_length: (turn * by * half_turn).sqrt(),
+        gradient_u: east * by_u,
+        gradient_v: (north * by_v).keep(regular),
+        uv_per_length,
     }
 }
 

@@ -92,11 +92,11 @@ impl Format {
     }
 
     /// Counts what the file at `path` holds, without keeping any of it: exact for a file that is
-    /// right.
-    pub(super) fn count(self, path: &Path) -> Result<Counts, SceneError> {
+    /// right. Textures that its materials read are listed, not counted.
+    pub(super) fn count(self, path: &Path) -> Result<(Counts, Vec<Request>), SceneError> {
         match self {
             Self::Obj => obj::count(path),
-            Self::Ply => ply::count(path),
+            Self::Ply => Ok((ply::count(path)?, Vec::new())),
         }
     }
 }

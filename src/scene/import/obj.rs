@@ -7,7 +7,7 @@
 use super::attributes::{Corners, NONE, weld};
 use super::piece::{Cut, Piece};
 use super::statements::{Pieces, text};
-use super::{Counted, Counts, Imported, mtl};
+use super::{Counted, Counts, Imported, Request, mtl};
 use crate::scene::error::SceneError;
 use crate::scene::triangulate::triangulate;
 use glam::DVec3;
@@ -48,34 +48,62 @@ fn load_by(path: &Path, read: &AtomicU64, size: usize) -> Result<Imported, Scene
     Ok(reading.finish(path))
 }
 
-/// Counts vertices and triangles without keeping anything. What is wrong with the file is left for
-/// [`load`] to say.
-pub(super) fn count(path: &Path) -> Result<Counts, SceneError> {
-    let mut counts = Counts::default();
+/// Counts vertices and triangles without keeping anything, and lists the textures that its materials
+/// read. What is wrong with the file is left for [`load`] to say.
+pub(super) fn count(path: &Path) -> Result<(Counts, Vec<Request>), SceneError> {
+    let mut all = Look::default();
     batches(path, &AtomicU64::new(0), PIECE, |pieces| {
-        let of = |bytes: &Vec<u8>| {
-            let mut counts = Counts::default();
-            for line in bytes.split(|&b| b == b'\n') {
-                match line.trim_ascii_start() {
-                    [b'v', b' ' | b'\t', ..] => counts.vertices += 1,
-                    [b'f', b' ' | b'\t', rest @ ..] => {
-                        let words = rest.split(u8::is_ascii_whitespace);
-                        let corners = words.filter(|word| !word.is_empty()).count();
-                        counts.triangles += corners.saturating_sub(2) as u64;
-                    }
-                    _ => {}
-                }
-            }
-            counts
-        };
-        let sum = pieces
-            .par_iter()
-            .map(of)
-            .reduce(Counts::default, |a, b| a + b);
-        counts = counts + sum;
+        let looks: Vec<Look> = pieces.par_iter().map(|piece| Look::at(piece)).collect();
+        looks.into_iter().for_each(|look| all.append(look));
         Ok(())
     })?;
-    Ok(counts)
+    all.names.sort_unstable();
+    all.names.dedup();
+    let mut imported = Imported::default();
+    mtl::materials(path, &all.libraries, &all.names, &mut imported);
+    Ok((all.counts, imported.wanted().cloned().collect()))
+}
+
+/// What a quick look through a piece finds.
+#[derive(Debug, Default)]
+struct Look {
+    counts: Counts,
+    /// Of materials.
+    names: Vec<String>,
+    /// `mtllib`: what it says. Lines are not counted.
+    libraries: Vec<(usize, String)>,
+}
+
+impl Look {
+    fn at(bytes: &[u8]) -> Self {
+        let mut look = Self::default();
+        for line in bytes.split(|&b| b == b'\n') {
+            match line.trim_ascii_start() {
+                [b'v', b' ' | b'\t', ..] => look.counts.vertices += 1,
+                [b'f', b' ' | b'\t', rest @ ..] => {
+                    let words = rest.split(u8::is_ascii_whitespace);
+                    let corners = words.filter(|word| !word.is_empty()).count();
+                    look.counts.triangles += corners.saturating_sub(2) as u64;
+                }
+                line => {
+                    let rest = |keyword: &str| {
+                        let rest = line.strip_prefix(keyword.as_bytes())?;
+                        let apart = rest.first().is_some_and(u8::is_ascii_whitespace);
+                        apart.then(|| text(rest.trim_ascii()).into_owned())
+                    };
+                    look.names.extend(rest("usemtl"));
+                    look.libraries.extend(rest("mtllib").map(|name| (0, name)));
+                }
+            }
+        }
+        look
+    }
+
+    fn append(&mut self, mut other: Self) {
+        self.counts = self.counts + other.counts;
+        self.names.append(&mut other.names);
+        self.libraries.append(&mut other.libraries);
+    }
 }
 
 /// Hands the file's pieces to `each`, a few at a time.
