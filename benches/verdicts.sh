@@ -48,16 +48,24 @@ for turn in $(seq "$turns"); do
   same "itself, $turn of $turns" 0 "$folder/plain" bench "$@" --compare "$folder/saved.json"
 done
 same "itself, taking turns" 0 "$folder/plain" bench "$@" --against "$folder/plain"
-for stage in $slowed; do
-  export HUYGENS_SLOWED=$stage
-  check "$stage slowed by a tenth" 3 "$folder/slowed" bench "$@" --compare "$folder/saved.json"
-  unset HUYGENS_SLOWED
-  # Named, and no other stage with it (whole scenes and all of them may be slower too).
-  grep -qE "^(all scenes|[a-z]+): $stage .* slower\$" "$folder/out" ||
-    { echo "WRONG: $stage is not named"; wrong=1; }
-  if grep -E '^[a-z ]+: .* slower$' "$folder/out" | grep -vE "^[a-z ]+: $stage "; then
+# named STAGE: what the last check printed names it, and no other stage (scenes as a whole may be slower too).
+named() {
+  grep -qE "^[a-z ]+: $1 .* slower\$" "$folder/out" || {
+    echo "WRONG: $1 is not named"
+    wrong=1
+  }
+  if grep -E '^[a-z ]+: .* slower$' "$folder/out" | grep -vE "^[a-z ]+: $1 "; then
     echo "WRONG: another stage is named"
     wrong=1
   fi
+}
+for stage in $slowed; do
+  export HUYGENS_SLOWED=$stage
+  check "$stage slowed by a tenth" 3 "$folder/slowed" bench "$@" --compare "$folder/saved.json"
+  named "$stage"
+  check "$stage slowed by a tenth, taking turns" 3 \
+    "$folder/slowed" bench "$@" --against "$folder/plain"
+  named "$stage"
+  unset HUYGENS_SLOWED
 done
 exit "$wrong"

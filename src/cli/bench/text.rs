@@ -78,7 +78,7 @@ pub(super) fn sweep(reports: &[Report]) -> String {
     let rate = |s: &SceneReport| s.median(|r| r.samples as f64 / r.seconds);
     let _ = write!(text, "{:<10}", "scene");
     for r in reports {
-        let _ = write!(text, " {:>20}", format!("{} x {}", r.threads, r.wave));
+        let _ = write!(text, " {:>24}", format!("{} x {}", r.threads, r.wave));
     }
     text.push('\n');
     for (i, scene) in reports[0].scenes.iter().enumerate() {
@@ -88,7 +88,7 @@ pub(super) fn sweep(reports: &[Report]) -> String {
             let workers = f64::from(r.threads.max(1)) / f64::from(reports[0].threads.max(1));
             let _ = write!(
                 text,
-                " {:>20}",
+                " {:>24}",
                 format!(
                     "{:.2} ({:.2}x, {:.0}%)",
                     rate(&r.scenes[i]) * 1e-6,
@@ -110,7 +110,7 @@ pub(super) fn sweep(reports: &[Report]) -> String {
             let alone = at_work / scene.at_work() * rate / scene.rate();
             let _ = write!(
                 text,
-                " {:>20}",
+                " {:>24}",
                 format!(
                     "{:.1}% / {:.3} = {:.1}%",
                     100.0 * at_work,
