@@ -1,4 +1,4 @@
-//! The numbers behind docs/performance.md, "Samplers": error and time of each sampler over a ladder
+//! The numbers behind docs/performance/samplers.md: error and time of each sampler over a ladder
 //! of samples a pixel.
 //!
 //! ```text

@@ -10,6 +10,7 @@ pub(crate) use shader::polished;
 
 use crate::scene::{Light, Material, Mesh, Projection, Scene, Sky};
 use crate::settings::{Integrator, LightSelection, Settings, Strategy};
+use huygens_kernels::bare::COMPLETE;
 use serde::Serialize;
 
 /// One effect.
@@ -33,6 +34,8 @@ pub struct Effects {
     pub textured: Vec<Shader>,
     /// Whether some surfaces are not wholly there.
     pub opacity: bool,
+    /// The shader of which some surfaces are brushed along their texture coordinates.
+    pub aligned: Option<Shader>,
     /// Whether surfaces emit that do not emit the same all over.
     pub varying_emission: bool,
     /// Whether normal or bump maps bend shading normals.
@@ -189,6 +192,10 @@ impl Effects {
         if transport {
             self.images(scene, worn);
         }
+        if let Some(brushed) = scene.is_brushed().filter(|_| transport) {
+            self.aligned = Some(Shader::RoughConductor);
+            self.add("anisotropy along u", material(brushed));
+        }
         if let Some(i) = smooth.iter().position(|&s| s).filter(|_| transport) {
             self.add("shading normals", material(&scene.materials[i]));
         }
@@ -226,13 +233,32 @@ impl Effects {
     }
 }
 
+/// All that there is in a build with the feature `bare`.
+const BARE: [&str; 6] = [
+    "sky",
+    "emissive triangles",
+    "plain diffuse",
+    "roulette",
+    "next-event estimation",
+    "light tree",
+];
+
+impl Effects {
+    /// The first effect that this build leaves out (see [`huygens_kernels::bare`]), if there is one.
+    #[must_use]
+    pub fn left_out(&self) -> Option<&Effect> {
+        let missing = |effect: &&Effect| !COMPLETE && !BARE.contains(&effect.name);
+        self.list.iter().find(missing)
+    }
+}
+
 /// Whether a render has to do with media.
 pub(crate) fn has_media(scene: &Scene, settings: &Settings) -> bool {
     settings.integrator.is_transport() && scene.media_in_use().next().is_some()
 }
 
 /// The fewest lights at a finite distance for which a tree is taken to be worth its steps: set by
-/// judgement, see docs/performance.md.
+/// judgement, see docs/performance/samplers.md.
 const MANY_LIGHTS: usize = 16;
 
 /// How a render chooses among lights, `auto` resolved, and why.

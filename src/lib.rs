@@ -7,7 +7,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! use huygens::{film::Film, geometry::Geometry, scene, settings::Settings, wave};
 //! let scene = scene::load("scenes/cornell-box.toml".as_ref())?;
-//! let geometry = Geometry::build(&scene.mesh);
+//! let geometry = Geometry::of(&scene, scene.settings.bvh);
 //! let settings = Settings { spp: 16, ..scene.settings.clone() };
 //! let film = Film::new(scene.film.width, scene.film.height, settings.tile);
 //! let stats = wave::render(&scene, &geometry, &settings, &film, &wave::Control::default());
@@ -24,6 +24,7 @@ pub mod geometry;
 pub mod processor;
 pub mod profile;
 pub mod reference;
+pub mod resident;
 pub mod scene;
 pub mod settings;
 pub mod throughput;

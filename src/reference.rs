@@ -17,15 +17,14 @@
 //! [`Settings::depth_limit`] times, and 0 shows emission only; a surface emits from its front, from
 //! both sides if its material says so; surfaces scatter as their materials say (`bsdf`), with the
 //! shading normals, images and masks that materials and meshes ask for (`surface`); a ray that meets
-//! nothing sees the sky; media are where they are said to be (`fog`), and paths start outside of all
-//! glass. Where something moves or disperses light, every sample is that of a scene frozen at one moment,
-//! in light of one wavelength.
+//! nothing sees the sky. Media it knows (`media`), outside of glass and inside. Where something moves
+//! or disperses light, every sample is that of a scene frozen at one moment, in light of one wavelength.
 
 mod bsdf;
 mod camera;
 mod carried;
-mod fog;
 mod lights;
+mod media;
 mod path;
 mod random;
 mod sphere;
@@ -37,9 +36,9 @@ use crate::film::{Job, SampleBuffer};
 use crate::scene::Scene;
 use crate::settings::{Settings, Strategy};
 use bsdf::Worn;
-use fog::Fog;
 use glam::DVec3;
 use lights::Lights;
+use media::{Media, Within};
 use rand_pcg::rand_core::Rng;
 use random::{filter_offset, generator, uniform};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -50,8 +49,7 @@ use world::{Ray, World};
 pub struct Reference<'a> {
     world: World<'a>,
     lights: Lights<'a>,
-    fog: Option<Fog>,
-    media: Vec<Fog>,
+    media: Media,
     materials: Vec<Worn<'a>>,
     manner: Manner,
     emitters: Vec<usize>,
@@ -94,8 +92,10 @@ impl<'a> Reference<'a> {
             roulette: false,
             ..settings.clone()
         };
+        let materials = scene.materials.iter().map(Worn::new).collect();
         Self::of(
             scene,
+            materials,
             Manner {
                 seed: settings.seed,
                 max_depth: unbounded.depth_limit().min(Self::DEEPEST),
@@ -105,15 +105,14 @@ impl<'a> Reference<'a> {
         )
     }
 
-    fn of(scene: &'a Scene, manner: Manner) -> Self {
+    fn of(scene: &'a Scene, materials: Vec<Worn<'a>>, manner: Manner) -> Self {
         let world = World::new(scene);
         Self {
             emitters: world.emitters(),
             world,
             lights: Lights::new(scene),
-            fog: Fog::outside(scene),
-            media: scene.media.iter().map(Fog::inside).collect(),
-            materials: scene.materials.iter().map(Worn::new).collect(),
+            media: Media::new(scene),
+            materials,
             manner,
         }
     }
@@ -131,9 +130,9 @@ impl<'a> Reference<'a> {
             origin: origin.into(),
             direction: direction.into(),
             leaves: None,
+            within: Within::Outside,
         };
-        self.radiance(rng, &ray, self.fog.as_ref(), depth, false)
-            .into()
+        self.radiance(rng, &ray, depth, false).into()
     }
 
     /// Renders the samples of `job` into their slots of `out`, which must have room for them. Returns
@@ -166,9 +165,7 @@ impl<'a> Reference<'a> {
         let (moves, disperses) = (scene.moves().is_some(), scene.disperses());
         if !moves && !disperses {
             let ray = camera::ray(scene, x, y, &mut rng);
-            return self
-                .radiance(&mut rng, &ray, self.fog.as_ref(), 0, false)
-                .into();
+            return self.radiance(&mut rng, &ray, 0, false).into();
         }
         // Everything at one moment, in light of one wavelength, made anew for every sample: slow, and
         // sure.
@@ -183,8 +180,10 @@ impl<'a> Reference<'a> {
             weight = drawn.weight;
         }
         let ray = camera::ray(&now, x, y, &mut rng);
-        let now = Reference::of(&now, self.manner);
-        (weight * now.radiance(&mut rng, &ray, now.fog.as_ref(), 0, false)).into()
+        let worn = self.materials.iter().zip(&now.materials);
+        let materials = worn.map(|(worn, m)| worn.at(m)).collect();
+        let now = Reference::of(&now, materials, self.manner);
+        (weight * now.radiance(&mut rng, &ray, 0, false)).into()
     }
 }
 

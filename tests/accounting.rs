@@ -3,17 +3,26 @@
 mod common;
 
 use common::scenes::cornell_box;
-use huygens::film::Film;
+use huygens::film::{Film, Image};
 use huygens::geometry::Geometry;
 use huygens::scene::Scene;
 use huygens::settings::Settings;
 use huygens::wave::{self, Control, Instruments, RenderStats};
 
 fn render(scene: &Scene, settings: &Settings, instruments: &Instruments) -> RenderStats {
+    render_image(scene, settings, instruments).0
+}
+
+fn render_image(
+    scene: &Scene,
+    settings: &Settings,
+    instruments: &Instruments,
+) -> (RenderStats, Image) {
     let film = Film::new(scene.film.width, scene.film.height, settings.tile);
     let geometry = Geometry::build(&scene.mesh);
     let control = Control::default();
-    wave::render_with(scene, &geometry, settings, &film, &control, instruments)
+    let stats = wave::render_with(scene, &geometry, settings, &film, &control, instruments);
+    (stats, film.develop())
 }
 
 fn small() -> (Scene, Settings) {
@@ -67,7 +76,7 @@ fn a_timeline_is_bounded_and_in_order() {
     let instruments = Instruments {
         slices: 50,
         counters: true,
-        processor_time: false,
+        ..Instruments::default()
     };
     let stats = render(&scene, &settings, &instruments);
     assert_eq!(stats.timelines.len(), 2);
@@ -85,6 +94,28 @@ fn a_timeline_is_bounded_and_in_order() {
     }
 }
 
+/// What `bench --accounting` sets against each other is the same render.
+#[test]
+fn without_the_accounting_the_image_is_the_same_and_nothing_is_counted() {
+    let (scene, settings) = small();
+    let (counted, image) = render_image(&scene, &settings, &Instruments::default());
+    let instruments = Instruments {
+        unaccounted: true,
+        ..Instruments::default()
+    };
+    let (uncounted, same) = render_image(&scene, &settings, &instruments);
+    let bits = |image: &Image| {
+        image
+            .mean
+            .iter()
+            .map(|p| p.map(f32::to_bits))
+            .collect::<Vec<_>>()
+    };
+    assert!(bits(&image) == bits(&same));
+    assert_eq!(counted.samples, uncounted.samples);
+    assert!(!counted.stages.is_empty() && uncounted.stages.is_empty());
+}
+
 #[test]
 fn instruments_do_not_change_the_counts() {
     let (scene, settings) = small();
@@ -93,6 +124,7 @@ fn instruments_do_not_change_the_counts() {
         slices: 10,
         counters: true,
         processor_time: true,
+        ..Instruments::default()
     };
     let watched = render(&scene, &settings, &instruments);
     for (a, b) in plain.stages.iter().zip(&watched.stages) {

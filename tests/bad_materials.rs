@@ -60,12 +60,12 @@ fn numbers_that_no_surface_has() {
         ),
         (
             "kind = \"dielectric\"\nabbe = 0.1",
-            "s.toml:3:8: materials.m.abbe: makes the index of refraction -1.1709609 at 730 nm, \
+            "s.toml:3:8: materials.m.abbe: makes the index of refraction -1.1710 at 730 nm, \
              expected it above 0 from 380 to 730 nm",
         ),
         (
             "kind = \"dielectric\"\ncauchy = [1, -0.2]",
-            "s.toml:3:10: materials.m.cauchy: makes the index of refraction -0.3850416 at 380 nm, \
+            "s.toml:3:10: materials.m.cauchy: makes the index of refraction -0.3850 at 380 nm, \
              expected it above 0 from 380 to 730 nm",
         ),
         (
@@ -78,8 +78,39 @@ fn numbers_that_no_surface_has() {
         ),
         (
             "abbe = 30",
-            "s.toml:2:8: materials.m.abbe: `abbe` is for materials of kind `dielectric`, this one is \
-             `diffuse`",
+            "s.toml:2:8: materials.m.abbe: `abbe` is for materials of kind `dielectric`, \
+             `principled`, this one is `diffuse`",
+        ),
+        (
+            "kind = \"dielectric\"\ncauchy = [1.5]",
+            "s.toml:3:10: materials.m.cauchy: found 1 numbers, expected two or three",
+        ),
+        (
+            "kind = \"dielectric\"\ncauchy = [1.5, 0.01]\nsellmeier = [[1, 0, 0], [0.01, 0, 0]]",
+            "s.toml:4:13: materials.m.sellmeier: found both `cauchy` and `sellmeier`, expected one",
+        ),
+        (
+            "kind = \"dielectric\"\nior = 1.5\nsellmeier = [[1, 0, 0], [0.01, 0, 0]]",
+            "s.toml:3:7: materials.m.ior: found beside `sellmeier`, which says the index already",
+        ),
+        (
+            "kind = \"dielectric\"\nsellmeier = [[1, 0, 0], [0.25, 0, 0]]",
+            "s.toml:3:13: materials.m.sellmeier: has a pole at 500 nm, expected none from 380 to 730 nm",
+        ),
+        (
+            "kind = \"dielectric\"\nsellmeier = [[-2, 0, 0], [0, 0, 0]]",
+            "s.toml:3:13: materials.m.sellmeier: makes the square of the index -1 at 380 nm, expected \
+             it above 0",
+        ),
+        (
+            "kind = \"principled\"\nabbe = 30",
+            "s.toml:3:8: materials.m.abbe: `abbe` is for what light passes: `transmission` is 0, or \
+             all is metal",
+        ),
+        (
+            "kind = \"principled\"\ntransmission = 1\ncauchy = [0.9, 0]",
+            "s.toml:4:10: materials.m.cauchy: makes the index of refraction 0.9000 within 380 to 730 \
+             nm, expected at least 1",
         ),
         (
             "kind = \"principled\"\nior = 0.5",

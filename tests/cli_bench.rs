@@ -116,6 +116,59 @@ fn numbers_are_saved_as_documented_and_compared() {
 }
 
 #[test]
+fn a_sweep_has_a_column_for_each_number_of_threads_and_of_paths() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let sweep = ["--threads", "1,2", "--wave", "512,2048"];
+    let rest = ["--filter", "box", "--runs", "1"];
+    let output = bench(folder.path(), &[sweep, rest].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = stdout(&output);
+    let (reports, tables) = text.split_once("\nsweep: ").expect("a sweep");
+    assert_eq!(reports.matches("processor ns an item by stage").count(), 4);
+    let (wall, alone) = tables
+        .split_once("\nthe same without what others take")
+        .expect("both");
+    for column in ["1 x 512", "1 x 2048", "2 x 512", "2 x 2048"] {
+        assert!(wall.contains(column), "no {column} in {text}");
+    }
+    // Rate, speed-up and efficiency: those of the first column are 1 and 100%.
+    let row = wall.lines().find(|l| l.starts_with("box ")).expect("a row");
+    assert_eq!(row.matches("x, ").count(), 4, "{row}");
+    assert!(row.contains("(1.00x, 100%)"), "{row}");
+    let row = alone
+        .lines()
+        .find(|l| l.starts_with("box "))
+        .expect("a row");
+    assert_eq!(row.matches(" = ").count(), 4, "{row}");
+    assert!(row.contains("/ 1.000 = 100.0%"), "{row}");
+}
+
+#[test]
+fn the_cost_of_the_accounting_is_measured_in_turns() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let args = [
+        "--accounting",
+        "--filter",
+        "box",
+        "--runs",
+        "2",
+        "--threads",
+        "1",
+    ];
+    let output = bench(folder.path(), &args);
+    // What it costs is measured, not tested; two pairs say little.
+    assert!(
+        [Some(0), Some(3)].contains(&output.status.code()),
+        "{}",
+        stderr(&output)
+    );
+    let text = stdout(&output);
+    for expected in ["2 pairs a scene", "\nbox ", "\nall scenes "] {
+        assert!(text.contains(expected), "no {expected} in {text}");
+    }
+}
+
+#[test]
 fn what_cannot_be_compared_is_refused_before_anything_runs() {
     let folder = tempfile::tempdir().expect("a folder");
     let refused = |args: &[&str], message: &str| {
@@ -144,6 +197,11 @@ fn what_cannot_be_compared_is_refused_before_anything_runs() {
         "cannot run missing",
     );
     refused(&["--save", "missing/a.json"], "missing");
+    refused(&["--accounting", "--save", "a.json"], "cannot be used with");
+    refused(
+        &["--accounting", "--wave", "64,128"],
+        "a sweep cannot be compared",
+    );
     refused(&["--runs", "0"], "0 is not in 1..=1000");
     refused(
         &["--threshold", "-1"],

@@ -110,6 +110,25 @@ fn a_profile_has_a_report_a_timeline_and_a_roofline() {
 }
 
 #[test]
+fn all_of_a_scene_is_profiled_not_only_its_triangles() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/glass-and-metal.toml");
+    let output = Command::new(env!("CARGO_BIN_EXE_huygens"))
+        .current_dir(folder.path())
+        .args(["profile".as_ref(), scene.as_os_str()])
+        .args(["--size", "64x36", "--time", "1s", "--json", "p.json"])
+        .output()
+        .expect("it starts");
+    assert!(output.status.success());
+    let profile = json(&folder.path().join("p.json"));
+    let kernels = profile["kernels"].as_array().expect("kernels");
+    // Metal and glass are on its spheres alone.
+    for kernel in ["shade: rough conductor", "shade: smooth dielectric"] {
+        assert!(kernels.iter().any(|k| k["name"] == kernel), "no {kernel}");
+    }
+}
+
+#[test]
 fn a_profile_that_cannot_be_written_is_refused_before_anything_runs() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = profile(folder.path(), &["--trace", "missing/t.json"]);

@@ -8,7 +8,7 @@ use common::picture::{
 };
 use common::scenes::{Builder, camera_along_z};
 use common::statistics::{SIGNIFICANCE, assert_mean, same, threshold};
-use huygens::scene::material::{Cauchy, Dielectric};
+use huygens::scene::material::{Cauchy, Dielectric, Principled};
 use huygens::scene::{Bsdf, Scene, Sky};
 use huygens::settings::{Integrator, Sampler, Settings, Strategy};
 
@@ -87,6 +87,68 @@ fn a_prism_agrees_with_the_reference() {
     let plain = by_wave(&prism(glass(None, 0.0)), &settings(2000));
     assert!(same(&plain, &expected, SIGNIFICANCE).is_err());
     assert!(same(&rendered.scaled(1.03), &expected, SIGNIFICANCE).is_err());
+}
+
+/// Compares with the reference, with light samples and without. Facets make up for nothing: the reference
+/// has no tables of albedos, and would have to integrate them for every wavelength.
+#[track_caller]
+fn assert_agrees(bsdf: Bsdf) {
+    let mut scene = prism(bsdf);
+    scene.materials[0].compensation = false;
+    assert_eq!(scene.beyond_reference(), None);
+    let reference = Settings {
+        integrator: Integrator::Reference,
+        seed: 1,
+        max_depth: Some(6),
+        ..settings(20_000)
+    };
+    let expected = by_reference(&scene, &reference);
+    for strategy in [Strategy::Cosine, Strategy::Mis] {
+        let rendered = by_wave(
+            &scene,
+            &Settings {
+                strategy,
+                max_depth: Some(6),
+                ..settings(20_000)
+            },
+        );
+        same(&rendered, &expected, 0.5 * SIGNIFICANCE).unwrap();
+        assert!(same(&rendered.scaled(1.05), &expected, 0.5 * SIGNIFICANCE).is_err());
+    }
+}
+
+#[test]
+fn a_frosted_prism_agrees_with_the_reference() {
+    assert_agrees(glass(Some(ABBE), 0.4));
+}
+
+fn principled(dispersion: Option<Cauchy>, roughness: f32) -> Bsdf {
+    Bsdf::Principled(Box::new(Principled {
+        base_color: [0.9, 0.8, 0.7].into(),
+        transmission: 0.9.into(),
+        roughness: roughness.into(),
+        dispersion,
+        ..Principled::default()
+    }))
+}
+
+#[test]
+fn a_principled_prism_agrees_with_the_reference() {
+    // With a third term, as Sellmeier's formula brings it.
+    let steep = Cauchy::through(|nm| 1.45 + 0.1 * (500.0 / nm).powi(4));
+    assert_agrees(principled(Some(steep), 0.3));
+}
+
+#[test]
+fn a_principled_prism_that_hardly_disperses_is_plain() {
+    let limit = Cauchy::from_abbe(1.5, 1e9);
+    let seeded = Settings {
+        seed: 1,
+        ..settings(20_000)
+    };
+    let plain = by_wave(&prism(principled(None, 0.3)), &seeded);
+    let limit = by_wave(&prism(principled(Some(limit), 0.3)), &settings(20_000));
+    same(&limit, &plain, SIGNIFICANCE).unwrap();
 }
 
 /// What does not depend on wavelengths stays as it is: glass that hardly disperses is plain glass.

@@ -2,17 +2,14 @@
 
 mod scene_folder;
 
-#[allow(dead_code, reason = "its main is that of a program")]
-#[path = "../examples/make_forest.rs"]
-mod make_forest;
-
+use huygens::throughput::forest;
 use scene_folder::{Folder, TRIANGLE};
 
 #[test]
 fn a_tree_has_as_many_triangles_as_asked_and_stands_on_the_ground() {
     let mut low = f32::INFINITY;
     let mut count = 0;
-    make_forest::tree(5000, |corners| {
+    forest::tree(5000, |corners| {
         low = corners.iter().fold(low, |low, c| low.min(c[1]));
         assert!(corners.as_flattened().iter().all(|c| c.abs() < 12.0));
         count += 1;
@@ -24,7 +21,7 @@ fn a_tree_has_as_many_triangles_as_asked_and_stands_on_the_ground() {
 
 #[test]
 fn the_scene_of_it_is_right() {
-    let text = make_forest::scene(400).replace("ply = \"tree.ply\"", "obj = \"a.obj\"");
+    let text = forest::scene(400).replace("ply = \"tree.ply\"", "obj = \"a.obj\"");
     let folder = Folder::new().with("a.obj", TRIANGLE).with("s.toml", text);
     let scene = folder.scene("s.toml");
     assert_eq!(scene.instances.len(), 400);

@@ -100,12 +100,18 @@ fn by_avx512(bvh: Bvh, rays: &RaySet) -> Option<Answers> {
     None
 }
 
+/// By packets of the width that this processor has, and by the narrow ones that all have.
 fn packets(bvh: Bvh, rays: &RaySet) -> Answers {
-    answers(
-        rays,
-        |r, h| packet::closest(bvh, r, h),
-        |s, o| traverse::occluded(bvh, s, o),
-    )
+    let by = |closest: fn(Bvh, Rays, Hits)| {
+        answers(
+            rays,
+            |r, h| closest(bvh, r, h),
+            |s, o| traverse::occluded(bvh, s, o),
+        )
+    };
+    let found = by(packet::closest);
+    assert!(found == by(packet::closest_by_eights), "by eights");
+    found
 }
 
 fn random_rays(triangles: usize, n: usize) -> RaySet {
@@ -247,7 +253,7 @@ fn truncated(mut rays: RaySet, n: usize) -> RaySet {
     rays
 }
 
-/// Rays in bundles of 20, each about one direction: `width` wide, from within `width` of a point.
+/// Rays in bundles of 40, each about one direction: `width` wide, from within `width` of a point.
 fn bundles(triangles: usize, bundles: usize, width: f32) -> RaySet {
     let mut random = Random(52);
     let mut rays = RaySet::default();
@@ -256,7 +262,7 @@ fn bundles(triangles: usize, bundles: usize, width: f32) -> RaySet {
         // Of any length: also one whose distances f32 cannot hold in its unit.
         let length = 10f32.powf(40.0 * random.signed()).clamp(1e-36, 1e36);
         let pinhole = random.unit() < 0.5;
-        for _ in 0..20 {
+        for _ in 0..40 {
             let (a, b) = (random.point(), random.point());
             let spread = if pinhole { 0.0 } else { width };
             rays.push(

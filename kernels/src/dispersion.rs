@@ -1,8 +1,9 @@
 //! Dispersion: the index of refraction at a wavelength, and what a single wavelength stands for in
 //! red, green and blue.
 //!
-//! * Index: Cauchy's `n = a + b / lambda^2`, from the index at the d line and Abbe's number
-//!   `V = (n_d - 1) / (n_F - n_C)`, or from glTF's `dispersion = 20 / V`.
+//! * Index: Cauchy's `n = a + b / lambda^2 + c / lambda^4`, from the index at the d line and Abbe's
+//!   number `V = (n_d - 1) / (n_F - n_C)`, or from glTF's `dispersion = 20 / V`, with `c = 0`; or from
+//!   Sellmeier's formula, which it follows from [`SHORTEST`] to [`LONGEST`].
 //! * A path in RGB that meets a dispersive surface goes on with one wavelength, drawn with pdf
 //!   `p(lambda)` over 380 to 730 nm. Its throughput is multiplied with `w(lambda) / p(lambda)`, where
 //!   `w` are the matching functions of the sRGB primaries, each scaled to integral 1: so every channel
@@ -37,6 +38,8 @@ pub struct Cauchy {
     pub a: f32,
     /// In square nanometres.
     pub b: f32,
+    /// In nanometres to the fourth.
+    pub c: f32,
 }
 
 impl Cauchy {
@@ -49,16 +52,47 @@ impl Cauchy {
         Self {
             a: (n_d - b * d) as f32,
             b: b as f32,
+            c: 0.0,
         }
+    }
+
+    /// The formula that has the index `n(lambda)` at three wavelengths, of which the inverse squares are
+    /// Chebyshev's nodes over the spectrum: what it is off by in between is nearly as little as any of
+    /// three terms can be.
+    #[must_use]
+    pub fn through(n: impl Fn(f64) -> f64) -> Self {
+        let [low, high] = [LONGEST, SHORTEST].map(|l| f64::from(l).powi(-2));
+        let outer = 0.75f64.sqrt();
+        let node = |at: f64| 0.5 * ((low + high) + (high - low) * at);
+        let [x0, x1, x2] = [-outer, 0.0, outer].map(node);
+        let [n0, n1, n2] = [x0, x1, x2].map(|x| n(x.sqrt().recip()));
+        // Newton's divided differences.
+        let first = (n1 - n0) / (x1 - x0);
+        let second = ((n2 - n1) / (x2 - x1) - first) / (x2 - x0);
+        Self {
+            a: (n0 - x0 * first + x0 * x1 * second) as f32,
+            b: (first - (x0 + x1) * second) as f32,
+            c: second as f32,
+        }
+    }
+
+    /// The index at a wavelength, in f64.
+    #[must_use]
+    pub fn at(&self, nanometres: f64) -> f64 {
+        let [a, b, c] = [self.a, self.b, self.c].map(f64::from);
+        let x = nanometres.powi(-2);
+        a + x * (b + x * c)
     }
 }
 
-/// `a + b / lambda^2`, a glass a lane.
+/// `a + b / lambda^2 + c / lambda^4`, a glass a lane.
 #[inline(always)]
 #[must_use]
-pub fn index_at(a: Fx, b: Fx, wavelength: Fx) -> Fx {
+pub fn index_at([a, b, c]: [Fx; 3], wavelength: Fx) -> Fx {
     let inverse = Fx::ONE / wavelength;
-    b.mul_add(inverse * inverse, a)
+    let x = inverse * inverse;
+    // The third term is tiny in nanometres: first what it adds to the second.
+    c.mul_add(x, b).mul_add(x, a)
 }
 
 /// A wavelength that was drawn.

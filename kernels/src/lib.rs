@@ -12,6 +12,7 @@
 pub mod accumulate;
 #[cfg(target_arch = "x86_64")]
 pub mod avx512;
+pub mod bare;
 pub mod bsdf;
 pub mod bvh;
 pub mod camera;

@@ -31,6 +31,7 @@ pub use punctual::Punctual;
 pub use tree::{LEAF, NO_LIGHT, Node, Tree};
 pub use varied::{VARIED, emission as varied_emission, vary};
 
+use crate::bare::{COMPLETE, called_for};
 use crate::hemisphere::{sample_sides, to_world, uniform_pdf};
 use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask, gather, gather_u32, to_f32, to_u32};
 use crate::mis::power_heuristic;
@@ -207,7 +208,7 @@ fn area_pdf_of(tables: &Tables, primitive: Ux, material: Ux) -> Fx {
 #[inline(always)]
 pub fn beyond(tables: &Tables, from: &Departure, mut found: impl FnMut(Vec3x, Fx)) {
     let lights = &tables.lights;
-    let (radiance, pdf) = match &lights.environment {
+    let (radiance, pdf) = match called_for(lights.environment.as_ref()) {
         Some(map) => map.look_up(from.direction),
         None => (
             gradient(lights, from.direction),
@@ -215,7 +216,9 @@ pub fn beyond(tables: &Tables, from: &Departure, mut found: impl FnMut(Vec3x, Fx
         ),
     };
     found(radiance, pdf * Fx::splat(lights.sky_selection));
-    punctual::discs(lights.punctual, from, found);
+    if COMPLETE {
+        punctual::discs(lights.punctual, from, found);
+    }
 }
 
 /// Samples a light for the surfaces `anchor`. At least one light must exist. A sample may lie below
@@ -245,7 +248,7 @@ pub fn sample_light(tables: &Tables, anchor: &Anchor, u: [Fx; 4]) -> LightSample
         sample = Some(sample_sky(tables, anchor, u[2], u[3], spare));
     }
     // Lanes of other kinds borrow some light of a kind, so that every look-up is in range.
-    if sky | surfaces != ALL {
+    if COMPLETE && sky | surfaces != ALL {
         let own = !(is_sky | on_surface);
         let k = as_bits(own) & source & Ux::splat(!PUNCTUAL);
         let mut drawn = punctual::sample(lights.punctual, anchor, k, u[2], u[3]);
@@ -290,7 +293,7 @@ fn merge(mask: Mask, a: LightSample, b: Option<LightSample>) -> LightSample {
 #[inline(always)]
 fn spheres<'a>(tables: &'a Tables) -> Option<&'a Others<'a>> {
     let others = tables.triangles.others.as_ref();
-    others.filter(|others| !others.spheres.is_empty())
+    called_for(others).filter(|others| !others.spheres.is_empty())
 }
 
 /// A point on an emissive triangle or sphere.
@@ -363,7 +366,7 @@ fn sample_triangle(
 #[inline(always)]
 fn sample_sky(tables: &Tables, anchor: &Anchor, u: Fx, v: Fx, spare: Fx) -> LightSample {
     let lights = &tables.lights;
-    let (direction, radiance, pdf) = match &lights.environment {
+    let (direction, radiance, pdf) = match called_for(lights.environment.as_ref()) {
         Some(map) => map.sample(u, v, spare),
         None => {
             let local = sample_sides(u, v, anchor.both_sides);

@@ -66,7 +66,7 @@ pub fn form() -> &'static str {
     "portable"
 }
 
-/// Rays under way together: see `docs/performance.md`.
+/// Rays under way together: see `docs/performance/rays.md`.
 const IN_FLIGHT: usize = 32;
 /// Fewer rays do not fill the slots of the form for AVX-512.
 #[cfg(target_arch = "x86_64")]

@@ -170,6 +170,17 @@ soa! {
 }
 
 soa! {
+    /// Which way brushed surfaces lie, row by row of [`Surfaces`]: by which angle their local frame is
+    /// turned about the shading normal (`scatter::align`).
+    pub struct Aligned, AlignedMut {
+        /// The angle's cosine.
+        cos: F32,
+        /// Its sine.
+        sin: F32,
+    }
+}
+
+soa! {
     /// The BSDF parameters of surfaces that read images, row by row of [`Surfaces`]: a material a row.
     pub struct Textured, TexturedMut {
         /// As `tables::Materials::parameters`.

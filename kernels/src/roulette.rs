@@ -4,7 +4,7 @@
 //! `T / q`, so that the expectation stays (J. Arvo, D. Kirk, "Particle Transport and Image
 //! Synthesis", SIGGRAPH 1990). The gain `g`, 2 unless a render asks for another, keeps early bounces,
 //! which carry most of the light: with 1 instead, an image of the same error took 1.2 times as long
-//! (`docs/performance.md`). The cap ends paths between perfectly white walls. Throughput that is 0 or
+//! (`docs/performance/wave.md`). The cap ends paths between perfectly white walls. Throughput that is 0 or
 //! not finite never survives.
 //!
 //! The maximum depth is a rule of this stage too: a path that has scattered `limit` times may follow

@@ -15,6 +15,7 @@
 //!
 //! The triangle that a ray leaves is also excluded by index, which is exact.
 
+use crate::bare::called_for;
 use crate::lanes::{Fx, Mask, Ux, as_mask, gather, gather_rows, gather_u32};
 use crate::queues::Listed;
 use crate::tables::Triangles;
@@ -158,7 +159,7 @@ impl Place {
         times: impl FnOnce() -> Option<Fx>,
     ) -> Self {
         // The same for the whole render.
-        if let Some(others) = &triangles.others {
+        if let Some(others) = called_for(triangles.others.as_ref()) {
             return others.place(triangles, primitive, u, v, times());
         }
         let corners = Corners::gather(triangles, primitive);

@@ -1,5 +1,6 @@
 //! The scene as kernels see it: slices of tables.
 
+use crate::bare::called_for;
 use crate::images::Images;
 use crate::interpolate::Attributes;
 use crate::lanes::{Fx, Ux, gather};
@@ -9,7 +10,7 @@ use crate::others::Others;
 use crate::vec3::{Columns, Vec3x};
 
 /// Most parameters that a kind of BSDF has.
-pub const SLOTS: usize = 20;
+pub const SLOTS: usize = 21;
 
 /// All that shading reads. See each member for its lengths.
 #[derive(Clone, Copy, Debug, Default)]
@@ -46,7 +47,10 @@ impl Triangles<'_> {
     #[inline(always)]
     #[must_use]
     pub fn material_of(&self, primitive: u32) -> u32 {
-        match (self.material.get(primitive as usize), &self.others) {
+        match (
+            self.material.get(primitive as usize),
+            called_for(self.others.as_ref()),
+        ) {
             (Some(&material), _) => material,
             (None, Some(others)) => others.material_of(primitive),
             (None, None) => unreachable!("hits are numbered by triangles"),

@@ -20,8 +20,7 @@ fn glasses_have_the_index_and_the_number_that_they_were_made_from() {
         let glass = Cauchy::from_abbe(n_d, v);
         let at = |nm: f32| {
             first(index_at(
-                Fx::splat(glass.a),
-                Fx::splat(glass.b),
+                [glass.a, glass.b, glass.c].map(Fx::splat),
                 Fx::splat(nm),
             ))
         };
@@ -32,7 +31,50 @@ fn glasses_have_the_index_and_the_number_that_they_were_made_from() {
         assert!((back / v - 1.0).abs() <= bound, "{back} for {v}");
     }
     let plain = Cauchy::from_abbe(1.5, f64::INFINITY);
-    assert_eq!((plain.a, plain.b), (1.5, 0.0));
+    assert_eq!((plain.a, plain.b, plain.c), (1.5, 0.0, 0.0));
+}
+
+/// A formula through three indices is that one if it is of its kind, and follows Sellmeier's as closely
+/// as `docs/scene-format.md` says.
+#[test]
+fn indices_follow_the_formula_that_they_were_made_from() {
+    let cauchy = |nm: f64| 1.7 + 1.3e4 / (nm * nm) + 4e8 / nm.powi(4);
+    let found = Cauchy::through(cauchy);
+    for k in 0..=350 {
+        let nm = f64::from(SHORTEST) + f64::from(k);
+        let x = [found.a, found.b, found.c].map(Fx::splat);
+        let lane = first(index_at(x, Fx::splat(nm as f32)));
+        // Three coefficients are rounded, and three steps of the kernel, each of a part of the index.
+        assert!((found.at(nm) - cauchy(nm)).abs() <= 4.0 * ROUNDING * 1.8);
+        assert!((lane - cauchy(nm)).abs() <= 8.0 * ROUNDING * 1.8);
+    }
+    // Schott's N-BK7 and SF11, and water at 20 C (M. Daimon, A. Masumura, 2007).
+    for (b, c) in [
+        (
+            [1.039_612_12, 0.231_792_344, 1.010_469_45],
+            [0.006_000_698_67, 0.020_017_914_4, 103.560_653],
+        ),
+        (
+            [1.737_596_95, 0.313_747_346, 1.898_781_01],
+            [0.013_188_707, 0.062_306_814_2, 155.236_29],
+        ),
+        (
+            [0.568_402_756_5, 0.172_617_739_1, 0.020_862_189_58],
+            [0.005_101_829_712, 0.018_211_539_36, 0.026_207_222_93],
+        ),
+    ] {
+        let sellmeier = |nm: f64| {
+            let l2 = (nm * 1e-3).powi(2);
+            let sum: f64 = b.into_iter().zip(c).map(|(b, c)| b * l2 / (l2 - c)).sum();
+            (1.0 + sum).sqrt()
+        };
+        let found = Cauchy::through(sellmeier);
+        for k in 0..=350 {
+            let nm = f64::from(SHORTEST) + f64::from(k);
+            let off = (found.at(nm) - sellmeier(nm)).abs();
+            assert!(off < 5e-4, "{off} at {nm} nm");
+        }
+    }
 }
 
 #[test]

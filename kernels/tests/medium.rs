@@ -46,6 +46,7 @@ fn by_kernel(fog: &Fog, case: &Case) -> ([f32; 3], Option<f32>) {
         g: &[0.0],
         bounds: fog.bounds,
         interior: &[],
+        exterior: &[],
     };
     let vec3 = |v: [f32; 3]| v.map(|x| vec![x; LANES]);
     let (mut origin, mut direction) = (vec3(case.origin), vec3(case.direction));

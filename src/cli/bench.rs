@@ -1,11 +1,13 @@
 //! `huygens bench`.
 
+mod accounting;
 mod report;
 mod stage;
 mod text;
 
 use crate::cli::failure::Failure;
 use crate::cli::json;
+use crate::cli::system::peak_memory;
 use crate::cli::text::out;
 use huygens::film::output::ensure_writable;
 use huygens::throughput::compare::{Comparison, SESSIONS_FLOOR, TURNS_FLOOR, Verdict, compare};
@@ -24,6 +26,10 @@ pub(crate) struct Args {
     /// docs/benchmarks.md); without a value, one after the other
     #[arg(long, value_name = "SCENE/STAGE", num_args = 0..=1, default_missing_value = "")]
     stage: Option<String>,
+
+    /// Measure what the accounting of stages costs: runs with and without it, in turns
+    #[arg(long, conflicts_with_all = ["stage", "save", "compare", "against"])]
+    accounting: bool,
 
     /// Only scenes whose name contains this
     #[arg(long, value_name = "TEXT")]
@@ -92,7 +98,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         return stage::run(case);
     }
     let sweep = args.threads.len() > 1 || args.wave.len() > 1;
-    if sweep && (args.compare.is_some() || args.against.is_some()) {
+    if sweep && (args.compare.is_some() || args.against.is_some() || args.accounting) {
         let message = "a sweep cannot be compared: give one number of threads and one of paths";
         return Err(Failure::input(message));
     }
@@ -114,6 +120,9 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             args.filter.as_deref().unwrap_or_default(),
             names.join(", ")
         )));
+    }
+    if args.accounting {
+        return accounting::run(args, &suite);
     }
     if let Some(program) = &args.against {
         let [old, new] = take_turns(args, program)?;
@@ -142,25 +151,31 @@ fn measure(args: &Args, suite: &[Standard]) -> Result<Vec<Report>, Failure> {
         .iter()
         .flat_map(|&t| args.wave.iter().map(move |&w| Report::new(t, w, args.runs)))
         .collect();
-    let scenes = suite.iter().map(|s| Prepared::new(s).into_diagnostic());
-    let scenes: Result<Vec<Prepared>, _> = scenes.collect();
-    let scenes = scenes.map_err(Failure::Other)?;
-    for report in &mut reports {
-        let scene = |(standard, prepared)| SceneReport::new(standard, prepared);
-        report.scenes = suite.iter().zip(&scenes).map(scene).collect();
+    let run = |scene: &Prepared, report: &Report| {
+        scene.run(usize::from(report.threads), report.wave as usize)
+    };
+    let (mut scenes, mut peak) = (Vec::new(), None);
+    for standard in suite {
+        let scene = Prepared::new(standard).into_diagnostic();
+        let scene = scene.map_err(Failure::Other)?;
+        for report in &mut reports {
+            // Warms caches, pages and the clock up, and shows how much memory it takes.
+            run(&scene, report);
+            report.scenes.push(SceneReport::new(standard, &scene));
+        }
+        peak = peak.max(peak_memory());
+        scenes.push(scene);
     }
-    for round in 0..=args.runs {
+    for _ in 0..args.runs {
         for (i, scene) in scenes.iter().enumerate() {
             for report in &mut reports {
-                let run = scene.run(usize::from(report.threads), report.wave as usize);
-                // The first one warms caches, pages and the clock up.
-                if round > 0 {
-                    report.scenes[i].runs.push(run);
-                }
+                let run = run(scene, report);
+                report.scenes[i].runs.push(run);
             }
         }
     }
     for report in &mut reports {
+        report.peak_memory = peak;
         report.finish();
     }
     Ok(reports)

@@ -113,7 +113,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     let mut warnings = scene.warnings.clone();
     warnings.extend(args.image.needless(&scene));
     warn(&warnings, args.scene.strict)?;
-    let build = || Geometry::build_with(&scene.mesh, scene.settings.bvh);
+    let build = || Geometry::of(&scene, scene.settings.bvh);
     let (geometry, _) = progress.phase("build", build);
     let (limits, _) = progress.phase("measure the machine", Limits::measure);
     let available = available_counters();
@@ -123,7 +123,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
             .as_ref()
             .map_or(0, |_| args.trace_slices as usize),
         counters: available.iter().any(Result::is_ok),
-        processor_time: false,
+        ..Instruments::default()
     };
     let go = || render(&scene, &geometry, args.time, instruments);
     let (render, _) = progress.phase(&format!("render for {:?}", args.time), go);

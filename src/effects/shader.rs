@@ -1,6 +1,5 @@
 //! Shaders: the kinds of scattering that have a kernel of their own.
 
-use crate::scene::material::Principled;
 use crate::scene::{Bsdf, Material, Textured};
 use huygens_kernels::bsdf::ALPHA_FLOOR;
 
@@ -29,6 +28,8 @@ pub enum Shader {
     Principled,
     /// The same where light passes.
     PrincipledGlass,
+    /// The same where its index depends on the wavelength.
+    PrincipledDispersive,
     /// No surface: a medium that scatters.
     Medium,
     /// One of two others, at random.
@@ -37,7 +38,7 @@ pub enum Shader {
 
 impl Shader {
     /// All there are, in the order in which they run.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Plain,
         Self::Diffuse,
         Self::RoughDiffuse,
@@ -49,6 +50,7 @@ impl Shader {
         Self::RoughDispersive,
         Self::Principled,
         Self::PrincipledGlass,
+        Self::PrincipledDispersive,
         Self::Medium,
         Self::Mix,
     ];
@@ -68,6 +70,7 @@ impl Shader {
             Self::RoughDispersive => "rough dispersive dielectric",
             Self::Principled => "principled",
             Self::PrincipledGlass => "principled glass",
+            Self::PrincipledDispersive => "principled dispersive glass",
             Self::Medium => "scattering medium",
             Self::Mix => "mix",
         }
@@ -88,6 +91,7 @@ impl Shader {
             Self::RoughDispersive => "shade: rough dispersive dielectric",
             Self::Principled => "shade: principled",
             Self::PrincipledGlass => "shade: principled glass",
+            Self::PrincipledDispersive => "shade: principled dispersive glass",
             Self::Medium => "shade: medium",
             Self::Mix => "shade: mix",
         }
@@ -118,13 +122,17 @@ impl Shader {
                 | Self::SmoothDispersive
                 | Self::RoughDispersive
                 | Self::PrincipledGlass
+                | Self::PrincipledDispersive
         )
     }
 
     /// Whether what it does depends on the wavelength.
     #[must_use]
     pub fn disperses(self) -> bool {
-        matches!(self, Self::SmoothDispersive | Self::RoughDispersive)
+        matches!(
+            self,
+            Self::SmoothDispersive | Self::RoughDispersive | Self::PrincipledDispersive
+        )
     }
 
     /// The shader of a material; `bent` if it cannot be plain: a surface that wears it has
@@ -147,7 +155,8 @@ impl Shader {
                 (true, true) => Self::SmoothDispersive,
                 (false, true) => Self::RoughDispersive,
             },
-            Bsdf::Principled(p) if passes(p) => Self::PrincipledGlass,
+            Bsdf::Principled(p) if p.disperses() => Self::PrincipledDispersive,
+            Bsdf::Principled(p) if p.passes() => Self::PrincipledGlass,
             Bsdf::Principled(_) => Self::Principled,
             Bsdf::Mix { .. } => Self::Mix,
         }
@@ -157,9 +166,4 @@ impl Shader {
 /// Whether a roughness is none.
 pub(crate) fn polished(roughness: &Textured<f32>) -> bool {
     roughness.texture.is_none() && roughness.factor * roughness.factor < ALPHA_FLOOR
-}
-
-fn passes(p: &Principled) -> bool {
-    let metal = p.metallic.texture.is_none() && p.metallic.factor >= 1.0;
-    p.transmission.factor > 0.0 && !metal
 }

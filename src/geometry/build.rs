@@ -2,7 +2,7 @@
 //! reinsertion, which takes badly placed subtrees out and puts them where they cost least
 //! (D. Meister, J. Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", CGF
 //! 37(2), 2018). It moves whole leaves, which splitting has filled: on trees with one triangle a
-//! leaf it spoils the blocks, see `docs/performance.md`.
+//! leaf it spoils the blocks, see `docs/performance/trees.md`.
 
 use super::{collapse::Collapse, ploc, sbvh};
 use crate::scene::Mesh;

@@ -7,6 +7,7 @@
 mod tables;
 
 use super::collapse::{BLOCK_COST, Collapse, MAX_LEAF, NODE_COST};
+use super::pages::Table;
 use crate::scene::Mesh;
 use glam::Vec3A;
 use huygens_kernels::bvh::{BLOCK, Block, MAX_DEPTH, Node, WIDTH, leaf};
@@ -26,8 +27,8 @@ const SUBTREES: usize = 256;
 /// The finished tables and what is known about them.
 #[derive(Debug, Default)]
 pub(super) struct Layout {
-    pub(super) nodes: Vec<Node>,
-    pub(super) blocks: Vec<Block>,
+    pub(super) nodes: Table<Node>,
+    pub(super) blocks: Table<Block>,
     /// Nodes on the longest path.
     pub(super) depth: usize,
     /// Triangles in leaves.

@@ -20,6 +20,7 @@ use crate::scene::{Mesh, Motion, Scene};
 pub use crate::settings::Preset;
 use build::Binary;
 use collapse::Collapse;
+use huygens_kernels::bare::COMPLETE;
 use huygens_kernels::bvh::{Block, Bvh, Node};
 use huygens_kernels::few::Triangle;
 use huygens_kernels::instance::{Guide, Instance};
@@ -32,7 +33,7 @@ use obvhs::aabb::Aabb;
 use world::World;
 
 /// Up to so many triangles are all tested rather than sought through the tree: see
-/// `docs/performance.md`.
+/// `docs/performance/rays.md`.
 const FEW: usize = 48;
 
 /// The acceleration structure over a mesh.
@@ -46,7 +47,7 @@ pub struct Geometry {
     world: Option<World>,
 }
 
-/// Rays under way together in worlds of two levels: see `docs/performance.md`.
+/// Rays under way together in worlds of two levels: see `docs/performance/rays.md`.
 const IN_FLIGHT: usize = 32;
 
 /// A tree and its box; none over nothing.
@@ -116,7 +117,7 @@ impl Geometry {
 
     /// Closest hit of each ray.
     pub fn closest(&self, rays: Rays, hits: Hits) {
-        if self.world.is_some() {
+        if COMPLETE && self.world.is_some() {
             self.closest_where(&Everything, rays, hits);
         } else if self.few.triangles.is_empty() {
             packet::closest(self.bvh(), rays, hits);
@@ -127,7 +128,7 @@ impl Geometry {
 
     /// For each segment: 1 if something lies on it, 0 if its ends see each other.
     pub fn occluded(&self, segments: Segments, occluded: &mut [u32]) {
-        if self.world.is_some() {
+        if COMPLETE && self.world.is_some() {
             self.occluded_where(&Everything, segments, occluded);
         } else if self.few.triangles.is_empty() {
             many::occluded(self.bvh(), segments, occluded);
@@ -352,7 +353,7 @@ mod tests {
         let mesh = sheet(40);
         let geometry = Geometry::build(&mesh);
         let mut seen = vec![0; mesh.triangles()];
-        for block in &geometry.layout.blocks {
+        for block in &geometry.layout.blocks[..] {
             let mut lanes = block.primitive.to_array().to_vec();
             lanes.dedup();
             lanes.iter().for_each(|&i| seen[i as usize] += 1);

@@ -1,17 +1,135 @@
-//! Large pages for large tables.
+//! Large tables on large pages.
+//!
+//! A ray that jumps through hundreds of megabytes finds the address of nearly every node without
+//! walking the page table if pages are of 2 MiB, and a build asks the system for memory a 512th
+//! as often. Linux grants such pages where it is asked before a page is touched. So what is asked for must
+//! come untouched: memory mapped anew does, and so does what Rust's allocator is asked for in zeros
+//! aligned to no more than [`UNTOUCHED`] bytes; for more it writes the zeros itself, on small pages.
 
-use bytemuck::Zeroable;
+use bytemuck::{Pod, Zeroable};
+use memmap2::MmapMut;
+use std::ops::{Deref, DerefMut};
 
-/// Smallest table for which large pages are asked: below, the translation look-aside buffers hold
-/// all of it anyway.
-const WORTH_IT: usize = 8 << 20;
+/// Smallest table that is worth it, in bytes: below, the translation look-aside buffers hold all of it
+/// anyway.
+const WORTH_IT: usize = 2 << 20;
+/// A large page.
+const PAGE: usize = 2 << 20;
+/// Bytes to which memory may be aligned that the allocator gives untouched.
+const UNTOUCHED: usize = 16;
 
-/// A table of `len` elements of zeros, where the system grants it on pages of 2 MiB. A ray that jumps
-/// through hundreds of megabytes then finds the address of nearly every node without walking the
-/// page table, and a build asks the system for memory a thousandth as often.
+/// A table of plain elements, in memory of its own where it is large.
+pub(super) struct Table<T>(Memory<T>);
+
+enum Memory<T> {
+    Small(Vec<T>),
+    /// From its first whole page on, so many elements.
+    Large(MmapMut, usize),
+}
+
+impl<T: Pod> Table<T> {
+    /// `len` elements of zeros that nobody has touched yet, if they are many.
+    pub(super) fn zeroed(len: usize) -> Self {
+        let map = map(len * size_of::<T>());
+        Self(match map {
+            Some(map) => Memory::Large(map, len),
+            None => Memory::Small(bytemuck::zeroed_vec(len)),
+        })
+    }
+
+    /// Appends elements.
+    pub(super) fn extend(&mut self, more: impl ExactSizeIterator<Item = T>) {
+        let old = self.len();
+        let new = old + more.len();
+        match &mut self.0 {
+            Memory::Small(elements) if new * size_of::<T>() < WORTH_IT => {
+                elements.extend(more);
+                return;
+            }
+            Memory::Large(map, len) if whole::<T>(map).len() >= new => *len = new,
+            _ => {
+                // Twice as much, so that elements move but a few times. What is not touched costs
+                // nothing.
+                let mut grown = Self::zeroed(new.max(2 * old));
+                grown[..old].copy_from_slice(self);
+                match &mut grown.0 {
+                    Memory::Small(elements) => elements.truncate(new),
+                    Memory::Large(_, len) => *len = new,
+                }
+                *self = grown;
+            }
+        }
+        for (element, value) in self[old..].iter_mut().zip(more) {
+            *element = value;
+        }
+    }
+}
+
+/// A mapping with room for so many bytes from its first whole page on; none if that is not worth it or
+/// not to be had.
+fn map(bytes: usize) -> Option<MmapMut> {
+    if bytes < WORTH_IT {
+        return None;
+    }
+    let map = MmapMut::map_anon(bytes.checked_add(PAGE)?).ok()?;
+    // A hint: where it cannot be followed, nothing changes.
+    #[cfg(target_os = "linux")]
+    let _ = map.advise(memmap2::Advice::HugePage);
+    Some(map)
+}
+
+/// Bytes before a mapping's first whole page.
+fn before(map: &MmapMut) -> usize {
+    map.as_ptr().align_offset(PAGE).min(map.len())
+}
+
+fn whole<T: Pod>(map: &MmapMut) -> &[T] {
+    let bytes = &map[before(map)..];
+    bytemuck::cast_slice(&bytes[..bytes.len() / size_of::<T>() * size_of::<T>()])
+}
+
+fn whole_mut<T: Pod>(map: &mut MmapMut) -> &mut [T] {
+    let first = before(map);
+    let bytes = &mut map[first..];
+    let len = bytes.len() / size_of::<T>() * size_of::<T>();
+    bytemuck::cast_slice_mut(&mut bytes[..len])
+}
+
+impl<T: Pod> Deref for Table<T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
+        match &self.0 {
+            Memory::Small(elements) => elements,
+            Memory::Large(map, len) => &whole(map)[..*len],
+        }
+    }
+}
+
+impl<T: Pod> DerefMut for Table<T> {
+    fn deref_mut(&mut self) -> &mut [T] {
+        match &mut self.0 {
+            Memory::Small(elements) => elements,
+            Memory::Large(map, len) => &mut whole_mut(map)[..*len],
+        }
+    }
+}
+
+impl<T> Default for Table<T> {
+    fn default() -> Self {
+        Self(Memory::Small(Vec::new()))
+    }
+}
+
+impl<T: Pod> std::fmt::Debug for Table<T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        write!(f, "{} elements", self.len())
+    }
+}
+
+/// As [`Table`], for those who need a vector.
 pub(super) fn zeroed<T: Zeroable>(len: usize) -> Vec<T> {
-    // Large allocations come from the system as zeros that nobody has touched yet, and pages are made
-    // when they are touched.
+    const { assert!(align_of::<T>() <= UNTOUCHED, "a table is for these") };
     let mut table = bytemuck::zeroed_vec(len);
     if len * size_of::<T>() >= WORTH_IT {
         ask_for_large(&mut table);
@@ -39,4 +157,38 @@ fn ask_for_large<T>(memory: &mut [T]) {
     }
     #[cfg(not(target_os = "linux"))]
     let _ = memory;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A table grown bit by bit holds what was put in, however often it moved.
+    #[test]
+    fn what_is_appended_stays() {
+        let mut table = Table::<[u64; 8]>::default();
+        let mut expected = Vec::new();
+        for part in 0..40u64 {
+            let more = (0..part * 300).map(|i| [part, i, 0, 0, 0, 0, 0, 1]);
+            expected.extend(more.clone());
+            table.extend(more.collect::<Vec<_>>().into_iter());
+            assert_eq!(table.len(), expected.len());
+        }
+        assert!(matches!(table.0, Memory::Large(..)), "{table:?}");
+        assert!(table[..] == expected[..]);
+    }
+
+    #[test]
+    fn large_tables_are_zeros_and_begin_on_a_large_page() {
+        for len in [0, 1, 99, PAGE / 64, 3 * PAGE / 64 + 1] {
+            let mut table = Table::<[u64; 8]>::zeroed(len);
+            assert_eq!(table.len(), len);
+            assert!(table.iter().flatten().all(|&x| x == 0));
+            table.fill([7; 8]);
+            assert!(table.iter().flatten().all(|&x| x == 7));
+            if len * 64 >= WORTH_IT {
+                assert_eq!(table.as_ptr().align_offset(PAGE), 0);
+            }
+        }
+    }
 }

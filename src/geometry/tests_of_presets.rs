@@ -56,7 +56,7 @@ fn leaves_hold_no_triangle_twice_and_together_all() {
     let mut all = HashSet::new();
     let mut references = 0;
     // A leaf is a block.
-    for block in &geometry.layout.blocks {
+    for block in &geometry.layout.blocks[..] {
         // Unused lanes repeat the last used one.
         let mut lanes = block.primitive.to_array().to_vec();
         lanes.dedup();

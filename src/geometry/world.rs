@@ -49,7 +49,7 @@ impl World {
     ) -> Self {
         let own_root = Rooted::own(own_box);
         let objects: Vec<Option<Rooted>> = (0..scene.objects.len())
-            .map(|i| tree(i).map(|(layout, aabb)| Rooted::behind(own, layout, aabb)))
+            .map(|i| tree(i).map(|(layout, aabb)| Rooted::behind(own, &layout, aabb)))
             .collect();
         let mut first = (scene.mesh.triangles() + scene.spheres.len()) as u64;
         let (mut instances, mut items) = (Vec::new(), Vec::new());
@@ -186,7 +186,7 @@ impl Rooted {
     }
 
     /// Puts a tree behind others.
-    fn behind(all: &mut Layout, tree: Layout, aabb: Aabb) -> Self {
+    fn behind(all: &mut Layout, tree: &Layout, aabb: Aabb) -> Self {
         let (root, block) = (all.nodes.len() as u32, all.blocks.len());
         let moved = |mut node: Node| {
             for child in node.child.as_mut_array() {
@@ -198,8 +198,8 @@ impl Rooted {
             }
             node
         };
-        all.nodes.extend(tree.nodes.into_iter().map(moved));
-        all.blocks.extend(tree.blocks);
+        all.nodes.extend(tree.nodes.iter().copied().map(moved));
+        all.blocks.extend(tree.blocks.iter().copied());
         all.triangles += tree.triangles;
         all.depth = all.depth.max(tree.depth);
         Self { root, aabb }

@@ -110,7 +110,7 @@ pub fn text(limits: &Limits, rows: &[Row], width: usize, height: usize) -> Strin
     for (i, p) in points.iter().enumerate() {
         let _ = writeln!(
             out,
-            "  {} {:<16} {:7.2} op/B {:8.2} Gop/s, {:3.0}% of its roof",
+            "  {} {:<20} {:7.2} op/B {:8.2} Gop/s, {:3.0}% of its roof",
             letter(i),
             p.name,
             p.intensity,

@@ -1,5 +1,6 @@
 //! Camera rays of the reference.
 
+use super::media::Within;
 use super::random::uniform;
 use super::vector;
 use super::world::Ray;
@@ -47,6 +48,7 @@ pub(super) fn ray(scene: &Scene, x: f64, y: f64, rng: &mut impl Rng) -> Ray {
         origin,
         direction: direction.normalize(),
         leaves: None,
+        within: Within::Outside,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::Reference;
 use super::bsdf::Reader;
-use super::fog::{Fog, anywhere};
+use super::media::{Medium, Within, anywhere};
 use super::random::uniform;
 use super::surface::Frame;
 use super::world::{Hit, Ray};
@@ -11,102 +11,104 @@ use glam::DVec3;
 use rand_pcg::rand_core::Rng;
 use std::f64::consts::PI;
 
-/// The medium that a path is in.
-type Within<'a> = Option<&'a Fog>;
+/// Where rays set out: from a surface, or in a medium.
+struct Start {
+    origin: DVec3,
+    leaves: Option<usize>,
+    /// The surface's unit normal on the near side.
+    normal: DVec3,
+    /// What is on the near side, and what behind.
+    sides: [Within; 2],
+}
+
+impl Start {
+    fn ray(&self, direction: DVec3) -> Ray {
+        let behind = self.normal.dot(direction) < 0.0;
+        Ray {
+            origin: self.origin,
+            direction,
+            leaves: self.leaves,
+            within: self.sides[usize::from(behind)],
+        }
+    }
+}
 
 /// Where a path goes on, and what it sees there is multiplied with.
-struct Next<'a> {
+struct Next {
     ray: Ray,
-    within: Within<'a>,
     weight: DVec3,
     /// Whether what surfaces emit there was summed already.
     lit: bool,
 }
 
 impl Reference<'_> {
-    /// What `ray` sees, which starts in `within`; `lit` if what surfaces emit is not to be seen.
-    pub(super) fn radiance(
-        &self,
-        rng: &mut impl Rng,
-        ray: &Ray,
-        within: Within,
-        depth: u32,
-        lit: bool,
-    ) -> DVec3 {
+    /// What `ray` sees; `lit` if what surfaces emit is not to be seen.
+    pub(super) fn radiance(&self, rng: &mut impl Rng, ray: &Ray, depth: u32, lit: bool) -> DVec3 {
         let hit = self.world.closest(rng, ray);
-        let Some(fog) = within else {
-            return self.met(rng, ray, within, hit, depth, lit);
+        let Some(medium) = self.media.of(ray) else {
+            return self.met(rng, ray, hit, depth, lit);
         };
         let way = hit.as_ref().map_or(f64::INFINITY, |hit| hit.t);
-        match fog.travel(rng, ray, way) {
-            (None, left) => left * self.met(rng, ray, within, hit, depth, lit),
+        match medium.travel(rng, ray, way) {
+            (None, left) => left * self.met(rng, ray, hit, depth, lit),
             (Some(_), _) if depth >= self.manner.max_depth => DVec3::ZERO,
-            (Some(t), weight) => weight * self.in_fog(rng, fog, ray, t, depth),
+            (Some(t), weight) => weight * self.in_medium(rng, medium, ray, t, depth),
         }
     }
 
     /// What is seen of a medium where it scatters light, `t` along a ray.
-    fn in_fog(&self, rng: &mut impl Rng, fog: &Fog, ray: &Ray, t: f64, depth: u32) -> DVec3 {
-        let origin = ray.origin + t * ray.direction;
-        let phase = |to: DVec3| fog.phase(ray.direction.dot(to));
-        let response = |to: DVec3| DVec3::splat(phase(to));
-        let delta = self.delta_lights(rng, origin, response, |_| Some(fog), None);
-        let direction = anywhere(rng);
-        let next = Ray {
-            origin,
-            direction,
+    fn in_medium(
+        &self,
+        rng: &mut impl Rng,
+        medium: &Medium,
+        ray: &Ray,
+        t: f64,
+        depth: u32,
+    ) -> DVec3 {
+        let start = Start {
+            origin: ray.origin + t * ray.direction,
             leaves: None,
+            normal: DVec3::ZERO,
+            sides: [ray.within; 2],
         };
+        let phase = |to: DVec3| medium.phase(ray.direction.dot(to));
+        let delta = self.delta_lights(rng, &start, |to| DVec3::splat(phase(to)));
+        let direction = anywhere(rng);
         let weight = phase(direction) * 4.0 * PI;
-        delta + weight * self.radiance(rng, &next, Some(fog), depth + 1, false)
+        let next = start.ray(direction);
+        delta + weight * self.radiance(rng, &next, depth + 1, false)
     }
 
-    /// What lies behind the surface of a material, for who comes from its front in `within`: what it is
-    /// filled with; from its back, the outside. Through what is thin nobody gets anywhere else.
-    fn behind<'a>(&'a self, bsdf: &Bsdf, front: bool, within: Within<'a>) -> Within<'a> {
-        match bsdf {
-            Bsdf::Dielectric(glass) if glass.thin => within,
-            Bsdf::Principled(p) if p.thin => within,
-            _ if !front => self.fog.as_ref(),
-            Bsdf::Dielectric(glass) => glass.interior.map(|i| &self.media[i as usize]),
-            _ => None,
-        }
+    /// What is left of light over the first `way` of a ray.
+    fn left(&self, ray: &Ray, way: f64) -> DVec3 {
+        let medium = self.media.of(ray);
+        medium.map_or(DVec3::ONE, |medium| medium.transmittance(ray, way))
     }
 
     /// What is seen of what a ray meets.
-    fn met(
-        &self,
-        rng: &mut impl Rng,
-        ray: &Ray,
-        within: Within,
-        hit: Option<Hit>,
-        depth: u32,
-        lit: bool,
-    ) -> DVec3 {
+    fn met(&self, rng: &mut impl Rng, ray: &Ray, hit: Option<Hit>, depth: u32, lit: bool) -> DVec3 {
         let Some(hit) = hit else {
             return self.lights.beyond(ray.direction);
         };
-        let (mut seen, emitted, next) = self.scatter(rng, ray, within, &hit, depth);
+        let (mut seen, emitted, next) = self.scatter(rng, ray, &hit, depth);
         if !lit {
             seen += emitted;
         }
-        if let Some(next) = next {
-            let seen_there = self.radiance(rng, &next.ray, next.within, depth + 1, next.lit);
-            seen += next.weight * seen_there;
+        if let Some(Next { ray, weight, lit }) = next {
+            seen += weight * self.radiance(rng, &ray, depth + 1, lit);
         }
         seen
     }
 
     /// At a hit, what light that is looked for comes from there, what is emitted, and where to go on.
     #[inline(never)] // keeps what the recursion puts on the stack small
-    fn scatter<'a>(
-        &'a self,
+    fn scatter(
+        &self,
         rng: &mut impl Rng,
         ray: &Ray,
-        within: Within<'a>,
         hit: &Hit,
         depth: u32,
-    ) -> (DVec3, DVec3, Option<Next<'a>>) {
+    ) -> (DVec3, DVec3, Option<Next>) {
         let scene = self.world.scene;
         let origin = ray.origin + hit.t * ray.direction;
         let (outside, worn) = self.world.surface(hit.surface, origin);
@@ -123,17 +125,9 @@ impl Reference<'_> {
         }
         let normal = if front { outside } else { -outside };
         let shading = point.towards(front, normal, -ray.direction);
-        let frame = Frame::about(shading);
+        let frame = Frame::about(shading, point.along);
         let omega_o = frame.local(-ray.direction);
         let bsdf = self.materials[part as usize].bsdf(&read, omega_o, front);
-        let behind = self.behind(&met.bsdf, front, within);
-        let side = |direction: DVec3| {
-            if direction.dot(normal) < 0.0 {
-                behind
-            } else {
-                within
-            }
-        };
         // What becomes of light where triangles are dark, and on the wrong side of either normal.
         let factor = |omega_i: DVec3, cos: f64| {
             if cos * omega_i.dot(normal) <= 0.0 {
@@ -148,27 +142,24 @@ impl Reference<'_> {
             let local = frame.local(omega_i);
             factor(omega_i, local.z) * bsdf.evaluate(omega_o, local)
         };
-        let mut seen = self.delta_lights(rng, origin, response, side, Some(hit.surface));
+        let start = Start {
+            origin,
+            leaves: Some(hit.surface),
+            normal,
+            sides: [ray.within, ray.within.behind(met, front)],
+        };
+        let mut seen = self.delta_lights(rng, &start, response);
         let lit = self.manner.samples_lights && bsdf.is_diffuse();
         if lit {
-            seen += self.emitters(rng, origin, response, side, hit.surface);
+            seen += self.emitters(rng, &start, response);
         }
         let next = bsdf
             .draw(omega_o, self.manner.uniform, rng)
             .and_then(|drawn| {
                 let direction = frame.world(drawn.direction);
                 let weight = factor(direction, drawn.direction.z) * drawn.weight;
-                let ray = Ray {
-                    origin,
-                    direction,
-                    leaves: Some(hit.surface),
-                };
-                (weight != DVec3::ZERO).then_some(Next {
-                    ray,
-                    within: side(direction),
-                    weight,
-                    lit,
-                })
+                let ray = start.ray(direction);
+                (weight != DVec3::ZERO).then_some(Next { ray, weight, lit })
             });
         (seen, emitted, next)
     }
@@ -193,18 +184,16 @@ impl Reference<'_> {
     }
 
     /// What is reflected of all that surfaces emit, by one point on each.
-    fn emitters<'a>(
+    fn emitters(
         &self,
         rng: &mut impl Rng,
-        origin: DVec3,
+        start: &Start,
         response: impl Fn(DVec3) -> DVec3,
-        side: impl Fn(DVec3) -> Within<'a>,
-        leaves: usize,
     ) -> DVec3 {
         let mut sum = DVec3::ZERO;
         for &emitter in &self.emitters {
             let drawn = self.world.point_on(emitter, rng);
-            let to = drawn.point - origin;
+            let to = drawn.point - start.origin;
             let direction = to.normalize();
             let facing = -direction.dot(drawn.outside);
             let there = Hit {
@@ -214,14 +203,10 @@ impl Reference<'_> {
             };
             let radiance = self.world.emitted(&there, drawn.outside, facing > 0.0);
             let response = response(direction);
-            if emitter == leaves || radiance * response == DVec3::ZERO {
+            if start.leaves == Some(emitter) || radiance * response == DVec3::ZERO {
                 continue;
             }
-            let ray = Ray {
-                origin,
-                direction,
-                leaves: Some(leaves),
-            };
+            let ray = start.ray(direction);
             let met = self.world.closest(rng, &ray);
             // Of a round emitter, the near side.
             let reached = met.is_some_and(|hit| {
@@ -229,45 +214,33 @@ impl Reference<'_> {
             });
             if reached {
                 let seen = facing.abs() * drawn.area / to.length_squared();
-                sum += left(side(direction), &ray, to.length()) * radiance * response * seen;
+                sum += self.left(&ray, to.length()) * radiance * response * seen;
             }
         }
         sum
     }
 
-    /// What is reflected or passes of the lights that no ray finds, at `origin` on surface `leaves` or in
-    /// a medium; `side` says which lies that way.
-    fn delta_lights<'a>(
+    /// What is reflected or passes of the lights that no ray finds, at a surface or in a medium.
+    fn delta_lights(
         &self,
         rng: &mut impl Rng,
-        origin: DVec3,
+        start: &Start,
         response: impl Fn(DVec3) -> DVec3,
-        side: impl Fn(DVec3) -> Within<'a>,
-        leaves: Option<usize>,
     ) -> DVec3 {
-        let arriving = self.lights.arriving(origin).map(|light| {
+        let arriving = self.lights.arriving(start.origin).map(|light| {
             let response = response(light.direction);
-            let ray = Ray {
-                origin,
-                direction: light.direction,
-                leaves,
-            };
+            let ray = start.ray(light.direction);
             let free = response != DVec3::ZERO
                 && self
                     .world
                     .closest(rng, &ray)
                     .is_none_or(|hit| hit.t >= light.distance);
             if free {
-                left(side(light.direction), &ray, light.distance) * light.irradiance * response
+                self.left(&ray, light.distance) * light.irradiance * response
             } else {
                 DVec3::ZERO
             }
         });
         arriving.sum()
     }
-}
-
-/// What is left of light over the first `way` of a ray in a medium.
-fn left(within: Within, ray: &Ray, way: f64) -> DVec3 {
-    within.map_or(DVec3::ONE, |medium| medium.transmittance(ray, way))
 }

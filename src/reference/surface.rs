@@ -20,6 +20,8 @@ pub(super) struct Point {
     pub(super) normal: DVec3,
     /// Length of the mixture of the corners' normals.
     pub(super) coherence: f64,
+    /// Where u rises, perpendicular to the normal before any map bends it; of any length.
+    pub(super) along: Option<DVec3>,
 }
 
 impl Point {
@@ -46,8 +48,10 @@ impl Point {
             uv: corners.uv([u, v]),
             normal,
             coherence,
+            along: None,
         };
         if let Some(derivatives) = corners.derivatives() {
+            point.along = Some(derivatives[0] - normal * normal.dot(derivatives[0]));
             point.bend(scene, material, derivatives, flat);
         }
         point
@@ -64,10 +68,12 @@ impl Point {
             uv,
             normal: n,
             coherence: 1.0,
+            along: None,
         };
         // Of the place, by longitude and latitude.
         let by_u = DVec3::new(n.z, 0.0, -n.x) * (TAU * radius);
         if let Some(east) = by_u.try_normalize() {
+            point.along = Some(east);
             point.bend(scene, material, [by_u, n.cross(east) * (PI * radius)], n);
         }
         point
@@ -146,11 +152,22 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// The frame about a unit normal in which brushed metals lie: that of T. Duff et al., "Building an
+    /// The frame about a unit normal in which brushed metals lie: along what lies `along` the normal's
+    /// plane, if anything does; else that of T. Duff et al., "Building an
     /// Orthonormal Basis, Revisited", JCGT 6(1), 2017.
-    pub(super) fn about(z: DVec3) -> Self {
-        let (x, y) = z.any_orthonormal_pair();
-        Self { x, y, z }
+    pub(super) fn about(z: DVec3, along: Option<DVec3>) -> Self {
+        let flat = along.and_then(|along| (along - z * z.dot(along)).try_normalize());
+        match flat {
+            Some(x) => Self {
+                x,
+                y: z.cross(x),
+                z,
+            },
+            None => {
+                let (x, y) = z.any_orthonormal_pair();
+                Self { x, y, z }
+            }
+        }
     }
 
     pub(super) fn local(&self, world: DVec3) -> DVec3 {
@@ -297,7 +314,7 @@ mod tests {
             let n = (n + 1.2 * g).normalize();
             let o = o * o.dot(g).signum();
             prop_assume!(o.dot(g) > 0.01);
-            let point = Point { uv: DVec2::ZERO, normal: n, coherence };
+            let point = Point { uv: DVec2::ZERO, normal: n, coherence, along: None };
             let found = point.towards(true, g, o);
             let kernel = interpolate::towards(lanes(n), lanes(g), lanes(o));
             let kernel = DVec3::from_array(kernel.lane(0).map(f64::from));

@@ -1,6 +1,7 @@
 //! What the reference's rays meet: triangles and spheres, all of which every ray is tested against.
 
 use super::carried::Carried;
+use super::media::Within;
 use super::random::uniform;
 use super::sphere::{Sphere, copies};
 use super::surface::{Point, colour, number, presence};
@@ -42,6 +43,7 @@ pub(super) struct Ray {
     pub(super) origin: DVec3,
     pub(super) direction: DVec3,
     pub(super) leaves: Option<usize>,
+    pub(super) within: Within,
 }
 
 pub(super) struct Hit {

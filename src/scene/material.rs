@@ -154,6 +154,8 @@ pub struct Dielectric {
     pub dispersion: Option<Cauchy>,
     /// Index of the medium inside.
     pub interior: Option<u32>,
+    /// Index of the medium outside, of glass that lies in other glass. None: what is outside of all.
+    pub exterior: Option<u32>,
 }
 
 /// See [`Bsdf::Principled`]. The members are those of glTF 2.0 and the extensions KHR_materials_ior,
@@ -177,6 +179,12 @@ pub struct Principled {
     pub transmission: Textured<f32>,
     /// Whether what is refracted leaves at once, as through a pane.
     pub thin: bool,
+    /// How the index varies over the spectrum, where light passes. None: not at all.
+    pub dispersion: Option<Cauchy>,
+    /// Index of the medium inside, where light passes.
+    pub interior: Option<u32>,
+    /// As [`Dielectric::exterior`], where light passes.
+    pub exterior: Option<u32>,
     /// Strength of the clear coat, 0..=1.
     pub clearcoat: Textured<f32>,
     /// Its roughness, 0..=1.
@@ -199,6 +207,9 @@ impl Default for Principled {
             specular_color: [1.0; 3].into(),
             transmission: 0.0.into(),
             thin: false,
+            dispersion: None,
+            interior: None,
+            exterior: None,
             clearcoat: 0.0.into(),
             clearcoat_roughness: 0.0.into(),
             sheen_color: [0.0; 3].into(),
@@ -218,6 +229,7 @@ impl Default for Dielectric {
             transmission_tint: [1.0; 3].into(),
             dispersion: None,
             interior: None,
+            exterior: None,
         }
     }
 }
@@ -228,6 +240,21 @@ impl Dielectric {
     #[must_use]
     pub fn disperses(&self) -> bool {
         self.dispersion.is_some() && !self.thin
+    }
+}
+
+impl Principled {
+    /// Whether light passes.
+    #[must_use]
+    pub fn passes(&self) -> bool {
+        let metal = self.metallic.texture.is_none() && self.metallic.factor >= 1.0;
+        self.transmission.factor > 0.0 && !metal
+    }
+
+    /// As [`Dielectric::disperses`].
+    #[must_use]
+    pub fn disperses(&self) -> bool {
+        self.dispersion.is_some() && !self.thin && self.passes()
     }
 }
 
@@ -245,6 +272,36 @@ impl Material {
             alpha: None,
             normal_map: None,
             compensation: true,
+        }
+    }
+
+    /// Index of the medium behind its surfaces, where light comes there at all.
+    #[must_use]
+    pub fn interior(&self) -> Option<u32> {
+        match &self.bsdf {
+            Bsdf::Dielectric(glass) => glass.interior,
+            Bsdf::Principled(p) => p.interior.filter(|_| p.passes()),
+            _ => None,
+        }
+    }
+
+    /// Index of the medium before its surfaces, where it is not what lies outside of all glass.
+    #[must_use]
+    pub fn exterior(&self) -> Option<u32> {
+        match &self.bsdf {
+            Bsdf::Dielectric(glass) => glass.exterior,
+            Bsdf::Principled(p) => p.exterior.filter(|_| p.passes()),
+            _ => None,
+        }
+    }
+
+    /// Whether its index of refraction varies over the spectrum, and matters.
+    #[must_use]
+    pub fn disperses(&self) -> bool {
+        match &self.bsdf {
+            Bsdf::Dielectric(glass) => glass.disperses(),
+            Bsdf::Principled(p) => p.disperses(),
+            _ => false,
         }
     }
 

@@ -1,7 +1,6 @@
 //! Media: what fills the space outside of all glass, or inside of some.
 
 use super::compiled::Scene;
-use super::material::Bsdf;
 
 /// A homogeneous medium.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,13 +42,11 @@ impl Scene {
             .iter()
             .map(|fog| (fog.medium, "the scene's `fog`".to_owned()));
         let worn = self.materials.iter().zip(self.worn());
-        let inside = worn.filter_map(|(m, worn)| match &m.bsdf {
-            Bsdf::Dielectric(glass) if worn => {
-                Some((glass.interior?, format!("material `{}`", m.name)))
-            }
-            _ => None,
+        let beside = worn.filter(|(_, worn)| *worn).flat_map(|(m, _)| {
+            let both = [m.interior(), m.exterior()].into_iter().flatten();
+            both.map(|i| (i, format!("material `{}`", m.name)))
         });
-        fog.chain(inside)
+        fog.chain(beside)
             .map(|(i, reason)| (&self.media[i as usize], reason))
     }
 }

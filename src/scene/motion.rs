@@ -111,8 +111,7 @@ impl Scene {
     #[must_use]
     pub fn disperses(&self) -> bool {
         let worn = self.materials.iter().zip(self.worn());
-        worn.filter(|(_, worn)| *worn)
-            .any(|(m, _)| matches!(&m.bsdf, Bsdf::Dielectric(glass) if glass.disperses()))
+        worn.filter(|(_, worn)| *worn).any(|(m, _)| m.disperses())
     }
 
     /// The scene as it is in light of one wavelength, in nanometres: nothing in it disperses.
@@ -120,12 +119,14 @@ impl Scene {
     pub fn at_wavelength(&self, nanometres: f64) -> Self {
         let mut single = self.clone();
         for material in &mut single.materials {
-            if let Bsdf::Dielectric(glass) = &mut material.bsdf
-                && let Some(cauchy) = glass.dispersion.take()
-                && !glass.thin
-            {
-                let [a, b] = [cauchy.a, cauchy.b].map(f64::from);
-                glass.ior = (a + b / (nanometres * nanometres)) as f32;
+            let disperses = material.disperses();
+            let (ior, dispersion) = match &mut material.bsdf {
+                Bsdf::Dielectric(glass) => (&mut glass.ior, &mut glass.dispersion),
+                Bsdf::Principled(p) => (&mut p.ior, &mut p.dispersion),
+                _ => continue,
+            };
+            if let Some(cauchy) = dispersion.take().filter(|_| disperses) {
+                *ior = cauchy.at(nanometres) as f32;
             }
         }
         single

@@ -1,7 +1,9 @@
 //! What a scene holds besides the triangles of its world: spheres, and copies of objects.
 
 use super::compiled::{Mesh, Scene};
+use super::material::{Bsdf, Material};
 use super::motion::Motion;
+use crate::effects::polished;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// A sphere in world space.
@@ -183,6 +185,27 @@ impl Scene {
     pub fn stored_triangles(&self) -> usize {
         let objects = self.objects.iter().map(|o| o.mesh.triangles());
         self.mesh.triangles() + objects.sum::<usize>()
+    }
+
+    /// A worn metal whose highlights are longer one way, if there is one and texture coordinates may say
+    /// which way that is.
+    #[must_use]
+    pub fn is_brushed(&self) -> Option<&Material> {
+        let objects = self.objects.iter().map(|o| &o.mesh);
+        let mut meshes = objects.chain([&self.mesh]);
+        if self.spheres.is_empty() && meshes.all(|mesh| mesh.uvs.is_empty()) {
+            return None;
+        }
+        let brushed = |m: &Material| match &m.bsdf {
+            Bsdf::Conductor {
+                roughness,
+                anisotropy,
+                ..
+            } => *anisotropy != 0.0 && !polished(roughness),
+            _ => false,
+        };
+        let mut all = self.materials.iter().zip(self.worn());
+        all.find(|(m, worn)| *worn && brushed(m)).map(|(m, _)| m)
     }
 
     /// By material, whether any surface wears it, or a mixture of which it is part.

@@ -3,13 +3,19 @@
 
 use super::compiled::Scene;
 use super::material::{Bsdf, Material};
-use crate::effects::polished;
+use crate::effects::{Effects, polished};
 
 impl Scene {
     /// Why the scene cannot be rendered as it is meant, if so: what the first surface to blame asks
     /// for.
     #[must_use]
     pub fn unsupported(&self) -> Option<String> {
+        if let Some(effect) = Effects::of(self, &self.settings).left_out() {
+            return Some(format!(
+                "calls for `{}` ({}), which this build leaves out: it has the feature `bare`",
+                effect.name, effect.reason
+            ));
+        }
         self.spheres.iter().find_map(|sphere| {
             let m = &self.materials[sphere.material as usize];
             let what = if m.alpha.is_some() {
@@ -40,10 +46,13 @@ impl Scene {
 
 /// What a material has that the reference tracer does not know.
 fn unknown(material: &Material) -> Option<&'static str> {
+    let again = material.disperses() && material.compensation;
     match &material.bsdf {
-        Bsdf::Dielectric(glass) if glass.disperses() && !polished(&glass.roughness) => {
-            Some("dispersion and roughness")
+        // Albedos by quadrature, for every sample's wavelength anew.
+        Bsdf::Dielectric(glass) if !polished(&glass.roughness) => {
+            again.then_some("dispersion and roughness, with compensation")
         }
+        Bsdf::Principled(_) => again.then_some("dispersion, with compensation"),
         Bsdf::Conductor { roughness, .. } if roughness.texture.is_some() => material
             .compensation
             .then_some("a metal's textured roughness, with compensation"),

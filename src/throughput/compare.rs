@@ -51,6 +51,8 @@ pub struct Comparison {
 #[derive(Clone, Debug)]
 struct Series {
     name: String,
+    /// The stage's name; none for the whole.
+    stage: Option<String>,
     costs: Vec<f64>,
 }
 
@@ -59,6 +61,7 @@ fn series(scene: &str, runs: &[Run]) -> Vec<Series> {
     let whole = |r: &Run| r.cpu_seconds / r.samples.max(1) as f64 / r.yardstick_seconds;
     let mut all = vec![Series {
         name: scene.to_owned(),
+        stage: None,
         costs: runs.iter().map(whole).collect(),
     }];
     let stages = runs.first().map_or(&[][..], |r| &r.stages);
@@ -67,6 +70,7 @@ fn series(scene: &str, runs: &[Run]) -> Vec<Series> {
             let cost = |r: &Run| Some(r.stages.get(i)?.nanoseconds / r.yardstick_seconds);
             all.push(Series {
                 name: format!("{scene}: {}", stage.name),
+                stage: Some(stage.name.clone()),
                 costs: runs.iter().filter_map(cost).collect(),
             });
         }
@@ -74,10 +78,31 @@ fn series(scene: &str, runs: &[Run]) -> Vec<Series> {
     all
 }
 
-/// Compares the runs of each scene that both have: (scene, old runs, new runs).
+/// The same quantity of several scenes as one, which noise of single scenes moves less: run by run, the
+/// geometric mean of its costs.
+fn all_scenes<'a>(of: impl Iterator<Item = &'a Series>) -> Series {
+    let of: Vec<&Series> = of.collect();
+    let runs = of.iter().map(|s| s.costs.len()).min().unwrap_or(0);
+    let stage = of.first().and_then(|s| s.stage.clone());
+    let mean = |run: usize| {
+        let logs = of.iter().map(|s| s.costs[run].ln());
+        (logs.sum::<f64>() / of.len() as f64).exp()
+    };
+    Series {
+        name: match &stage {
+            Some(stage) => format!("all scenes: {stage}"),
+            None => "all scenes".to_owned(),
+        },
+        stage,
+        costs: (0..runs).map(mean).collect(),
+    }
+}
+
+/// Compares the runs of each scene that both have: (scene, old runs, new runs); and what several scenes
+/// have in common over all of them.
 #[must_use]
 pub fn compare(scenes: &[(&str, &[Run], &[Run])], floor: f64) -> Vec<Comparison> {
-    let pairs: Vec<(Series, Series)> = scenes
+    let mut pairs: Vec<(Series, Series)> = scenes
         .iter()
         .flat_map(|&(name, old, new)| {
             let new = series(name, new);
@@ -91,6 +116,22 @@ pub fn compare(scenes: &[(&str, &[Run], &[Run])], floor: f64) -> Vec<Comparison>
                 .collect::<Vec<_>>()
         })
         .collect();
+    let mut common: Vec<Option<String>> = Vec::new();
+    for (old, _) in &pairs {
+        let several = pairs.iter().filter(|p| p.0.stage == old.stage).count() > 1;
+        if several && !common.contains(&old.stage) {
+            common.push(old.stage.clone());
+        }
+    }
+    let of = |stage: &Option<String>| {
+        let same = || pairs.iter().filter(|p| p.0.stage == *stage);
+        (
+            all_scenes(same().map(|p| &p.0)),
+            all_scenes(same().map(|p| &p.1)),
+        )
+    };
+    let common: Vec<(Series, Series)> = common.iter().map(of).collect();
+    pairs.extend(common);
     let each = sidak(SIGNIFICANCE, pairs.len().max(1));
     let one = |(old, new): &(Series, Series)| {
         compare_costs(&old.name, &old.costs, &new.costs, each, floor)
@@ -98,7 +139,9 @@ pub fn compare(scenes: &[(&str, &[Run], &[Run])], floor: f64) -> Vec<Comparison>
     pairs.iter().map(one).collect()
 }
 
-fn compare_costs(
+/// Compares the costs of one quantity, run by run, at a significance of its own.
+#[must_use]
+pub fn compare_costs(
     name: &str,
     old: &[f64],
     new: &[f64],
@@ -148,6 +191,8 @@ mod tests {
                     seconds: 9.0,
                     cpu_seconds: machine * wobble(),
                     yardstick_seconds: machine,
+                    workers: 1,
+                    worker_seconds: 9.0,
                     samples: 1000,
                     camera_rays: 1000,
                     bounce_rays: 0,
@@ -193,6 +238,30 @@ mod tests {
         assert!(found[1].interval[0] < 1.1 && 1.1 < found[1].interval[1]);
         let back = compare(&[("a", &new, &old)], SESSIONS_FLOOR);
         assert_eq!(back[1].verdict, Verdict::Faster);
+    }
+
+    #[test]
+    fn what_no_scene_shows_by_itself_all_of_them_may() {
+        let scenes: Vec<_> = (0..8)
+            .map(|i| (runs(2 * i, 0.1, 1.0), runs(2 * i + 1, 0.1, 1.1)))
+            .collect();
+        let names = ["a", "b", "c", "d", "e", "f", "g", "h"];
+        let scenes = names.into_iter().zip(&scenes);
+        let scenes: Vec<_> = scenes
+            .map(|(n, (old, new))| (n, &old[..], &new[..]))
+            .collect();
+        let found = compare(&scenes, SESSIONS_FLOOR);
+        assert_eq!(found.len(), 18);
+        let verdict = |name: &str| {
+            let of = found.iter().find(|c| c.name == name);
+            of.expect("compared").verdict
+        };
+        assert_eq!(verdict("all scenes"), Verdict::NoDifference);
+        assert_eq!(verdict("all scenes: intersect"), Verdict::Slower);
+        let alone = found.iter().filter(|c| c.name.len() < 14);
+        assert!(alone.clone().count() > 8);
+        let shown = alone.filter(|c| c.verdict == Verdict::Slower).count();
+        assert!(shown < 8, "one scene alone mostly shows nothing");
     }
 
     #[test]

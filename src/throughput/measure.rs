@@ -5,6 +5,7 @@ use super::yardstick;
 use crate::film::Film;
 use crate::geometry::Geometry;
 use crate::processor::cpu_seconds;
+use crate::resident;
 use crate::scene::{self, Scene, SceneError};
 use crate::settings::Settings;
 use crate::wave::{self, Control, Instruments};
@@ -21,6 +22,8 @@ pub struct Prepared {
     pub build_seconds: f64,
     /// Processor seconds of it.
     pub build_cpu_seconds: f64,
+    /// Bytes resident before it was made, where the system tells, and lets the peak begin anew.
+    before: Option<u64>,
 }
 
 /// Why a scene could not be made ready.
@@ -43,6 +46,12 @@ pub struct Run {
     pub cpu_seconds: f64,
     /// Processor seconds of the yardstick, mean of before and after.
     pub yardstick_seconds: f64,
+    /// Worker threads.
+    #[serde(default)]
+    pub workers: usize,
+    /// Seconds by the wall clock that the workers had, all added up.
+    #[serde(default)]
+    pub worker_seconds: f64,
     /// Camera samples.
     pub samples: u64,
     /// Camera rays.
@@ -72,6 +81,8 @@ impl Prepared {
     /// # Errors
     /// If the folder cannot be written, or the program cannot read its own scene.
     pub fn new(standard: &Standard) -> Result<Self, PrepareError> {
+        resident::give_back();
+        let before = resident::now().filter(|_| resident::forget_peak());
         let folder = tempfile::tempdir()?;
         let file = folder.path().join("scene.toml");
         std::fs::write(&file, (standard.make)(folder.path())?)?;
@@ -84,7 +95,7 @@ impl Prepared {
         scene.settings.spp = standard.spp;
         scene.settings.max_depth = Some(standard.max_depth);
         let (start, cpu) = (Instant::now(), cpu_seconds());
-        let geometry = Geometry::build_with(&scene.mesh, scene.settings.bvh);
+        let geometry = Geometry::of(&scene, scene.settings.bvh);
         let build_seconds = start.elapsed().as_secs_f64();
         let build_cpu = cpu.zip(cpu_seconds()).map(|(from, to)| to - from);
         Ok(Self {
@@ -92,13 +103,22 @@ impl Prepared {
             geometry,
             build_seconds,
             build_cpu_seconds: build_cpu.unwrap_or(build_seconds),
+            before,
         })
     }
 
-    /// Triangles.
+    /// Triangles, those of objects counted once: what the tree was built over.
     #[must_use]
     pub fn triangles(&self) -> usize {
-        self.scene.mesh.triangles()
+        let objects = self.scene.objects.iter().map(|o| o.mesh.triangles());
+        self.scene.mesh.triangles() + objects.sum::<usize>()
+    }
+
+    /// The most bytes that were resident since it began to be made, beyond those that were before;
+    /// of use until the next one is made.
+    #[must_use]
+    pub fn peak_memory(&self) -> Option<u64> {
+        Some(resident::peak()?.saturating_sub(self.before?))
     }
 
     /// Calls `with` with a wave of this scene in the middle of a render, for benchmarks of its stages.
@@ -108,9 +128,20 @@ impl Prepared {
         wave::recorded(&self.scene, &self.geometry, settings, turns, with)
     }
 
-    /// Renders once with `threads` workers (0: one a core) and waves of `wave` paths.
+    /// Renders once with `threads` workers (0: one a core) and waves of `wave` paths; stages are timed by
+    /// the processor's time.
     #[must_use]
     pub fn run(&self, threads: usize, wave: usize) -> Run {
+        let instruments = Instruments {
+            processor_time: true,
+            ..Instruments::default()
+        };
+        self.run_with(threads, wave, &instruments)
+    }
+
+    /// [`Prepared::run`] with these instruments.
+    #[must_use]
+    pub fn run_with(&self, threads: usize, wave: usize, instruments: &Instruments) -> Run {
         let settings = Settings {
             threads,
             wave,
@@ -118,10 +149,6 @@ impl Prepared {
         };
         let film = &self.scene.film;
         let film = Film::new(film.width, film.height, settings.tile);
-        let instruments = Instruments {
-            processor_time: true,
-            ..Instruments::default()
-        };
         let before = yardstick();
         let stats = wave::render_with(
             &self.scene,
@@ -129,7 +156,7 @@ impl Prepared {
             &settings,
             &film,
             &Control::default(),
-            &instruments,
+            instruments,
         );
         let after = yardstick();
         let all: f64 = stats.stages.iter().map(|s| s.seconds).sum();
@@ -146,6 +173,8 @@ impl Prepared {
             seconds: stats.seconds,
             cpu_seconds: stats.cpu_seconds.unwrap_or(stats.seconds),
             yardstick_seconds: 0.5 * (before + after),
+            workers: stats.threads,
+            worker_seconds: stats.worker_seconds,
             samples: stats.samples,
             camera_rays: stats.camera_rays,
             bounce_rays: stats.bounce_rays,

@@ -28,6 +28,7 @@ pub(crate) enum Stage {
     Disperse,
     Interact,
     Texture,
+    Align,
     Light,
     Scatter(Shader),
     Vary,
@@ -37,7 +38,7 @@ pub(crate) enum Stage {
 }
 
 impl Stage {
-    const COUNT: usize = 16 + Shader::ALL.len();
+    const COUNT: usize = 17 + Shader::ALL.len();
 
     /// All stages.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
@@ -53,6 +54,7 @@ impl Stage {
             Self::Disperse,
             Self::Interact,
             Self::Texture,
+            Self::Align,
             Self::Light,
         ];
         let shaders = Shader::ALL.into_iter().map(Self::Scatter);
@@ -78,8 +80,9 @@ impl Stage {
             Self::Disperse => 8,
             Self::Interact => 9,
             Self::Texture => 10,
-            Self::Light => 11,
-            Self::Scatter(shader) => 12 + shader as usize,
+            Self::Align => 11,
+            Self::Light => 12,
+            Self::Scatter(shader) => 13 + shader as usize,
             Self::Vary => Self::COUNT - 4,
             Self::Occlude => Self::COUNT - 3,
             Self::Roulette => Self::COUNT - 2,
@@ -100,6 +103,7 @@ impl Stage {
             Self::Disperse => "disperse",
             Self::Interact => "interact",
             Self::Texture => "texture",
+            Self::Align => "align",
             Self::Light => "sample lights",
             Self::Scatter(shader) => shader.stage(),
             Self::Vary => "texture lights",
@@ -138,6 +142,8 @@ pub(crate) struct Account {
     untraceable: Vec<Dropped>,
     lap: Instant,
     recorder: Recorder,
+    /// Whether anything is booked.
+    counts: bool,
 }
 
 impl Account {
@@ -149,12 +155,30 @@ impl Account {
             untraceable: Vec::new(),
             lap: Instant::now(),
             recorder: Recorder::new(instruments, epoch),
+            counts: !instruments.unaccounted,
+        }
+    }
+
+    /// Whether calls are booked, and items are to be counted for that.
+    pub(crate) fn counts(&self) -> bool {
+        self.counts
+    }
+
+    /// The tally of a queue's `bounces` column: of nothing, where nothing is booked.
+    pub(crate) fn tally(&self, bounces: &[u32]) -> Tally {
+        if self.counts {
+            Tally::of(bounces, 0)
+        } else {
+            Tally::default()
         }
     }
 
     /// Books one call of `stage`, which ends now and began where the last one ended. Time goes to
     /// the bounces by items in (by items out where nothing comes in).
     pub(crate) fn book(&mut self, stage: Stage, items_in: &Tally, items_out: &Tally, cost: Cost) {
+        if !self.counts {
+            return;
+        }
         let end = Instant::now();
         let start = std::mem::replace(&mut self.lap, end);
         let wall = (end - start).as_secs_f64();

@@ -16,6 +16,9 @@ pub struct Instruments {
     /// Whether stages are timed by the thread's processor time instead of the wall clock: for
     /// comparing times on a busy machine. A call of a stage then costs some 200 ns more.
     pub processor_time: bool,
+    /// Whether the accounting is left out, to measure what it costs: the render then knows of no
+    /// stages and no rays.
+    pub unaccounted: bool,
 }
 
 /// One call of a stage.

@@ -5,8 +5,10 @@
 //!
 //! A ray that cannot be traced (see [`untraceable`]) is reported and carries nothing from there on.
 
+use super::account::Stage;
 use super::branch::Slots;
 use super::queue::Queue;
+use super::slowed;
 use crate::film::SampleBuffer;
 use crate::geometry::Geometry;
 use huygens_kernels::emission::unoccluded;
@@ -121,14 +123,16 @@ pub(crate) fn occlude(
         let (x, y, sample) = slots.sample_of(view.slot[i]);
         [x | y << 16, sample, !(view.bounces[i] << 8 | OCCLUSION)]
     };
-    match (obstacles.opacities, obstacles.times) {
-        (None, None) => geometry.occluded(segments, answers),
-        (None, Some(times)) => geometry.occluded_at(&Everything, times, segments, answers),
-        (Some(opacities), None) => {
-            geometry.occluded_where(&There { opacities, name }, segments, answers);
-        }
-        (Some(opacities), Some(times)) => {
-            geometry.occluded_at(&There { opacities, name }, times, segments, answers);
+    for _ in 0..slowed::times(Stage::Occlude) {
+        match (obstacles.opacities, obstacles.times) {
+            (None, None) => geometry.occluded(segments, answers),
+            (None, Some(times)) => geometry.occluded_at(&Everything, times, segments, answers),
+            (Some(opacities), None) => {
+                geometry.occluded_where(&There { opacities, name }, segments, answers);
+            }
+            (Some(opacities), Some(times)) => {
+                geometry.occluded_at(&There { opacities, name }, times, segments, answers);
+            }
         }
     }
     occlusion.set_len(n);

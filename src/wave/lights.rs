@@ -209,7 +209,7 @@ impl LightTables {
 /// Power is what a light sends out or into the scene, not what arrives at one place: between a lamp and
 /// a sky, the two may be orders of magnitude apart, and walls know nothing of either. The root is off by
 /// half of those orders, whichever way they go, so that neither kind starves (measured in
-/// docs/performance.md).
+/// docs/performance/samplers.md).
 fn shared(lights: impl Iterator<Item = (usize, f64)>) -> [f64; 3] {
     let mut power = [0.0f64; 3];
     lights.for_each(|(kind, p)| power[kind] += p);

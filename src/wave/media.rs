@@ -7,16 +7,16 @@ use super::Wave;
 use super::account::Stage;
 use super::sampling::{AnySampler, with_sampler};
 use super::shade::Program;
-use super::tally::Tally;
 use crate::scene::{Bsdf, Scene};
-use huygens_kernels::medium::{self, CLEAR, Media, TRAVEL, UNCHANGED, travel};
+use huygens_kernels::bare::called_for;
+use huygens_kernels::medium::{self, CLEAR, Media, OUTSIDE, TRAVEL, UNCHANGED, travel};
 use huygens_kernels::queues::{Listed, PathsMut, ShadowsMut, Surfaces};
 use huygens_kernels::scatter::medium::scatter;
 use huygens_kernels::scatter::{LightsAlone, LightsWeighted, NoLights, Out};
 use huygens_kernels::tables::Tables;
 use std::ops::Range;
 
-/// The tables of a scene's media: rows [`medium::OUTSIDE`] and [`CLEAR`], then the scene's own.
+/// The tables of a scene's media: rows [`OUTSIDE`] and [`CLEAR`], then the scene's own.
 #[derive(Debug, Default)]
 pub(crate) struct MediaTables {
     extinction: [Vec<f32>; 3],
@@ -25,6 +25,7 @@ pub(crate) struct MediaTables {
     g: Vec<f32>,
     bounds: [[f32; 3]; 2],
     interior: Vec<u32>,
+    exterior: Vec<u32>,
 }
 
 /// The row of a scene's medium number `i`.
@@ -49,11 +50,12 @@ impl MediaTables {
         }
         let interior = |m: &crate::scene::Material| match &m.bsdf {
             Bsdf::Dielectric(glass) if glass.thin => UNCHANGED,
-            Bsdf::Dielectric(glass) => glass.interior.map_or(CLEAR, row_of),
             Bsdf::Principled(p) if p.thin => UNCHANGED,
-            _ => CLEAR,
+            _ => m.interior().map_or(CLEAR, row_of),
         };
         tables.interior = scene.materials.iter().map(interior).collect();
+        let exterior = |m: &crate::scene::Material| m.exterior().map_or(OUTSIDE, row_of);
+        tables.exterior = scene.materials.iter().map(exterior).collect();
         tables
     }
 
@@ -83,6 +85,7 @@ impl MediaTables {
             g: &self.g,
             bounds: self.bounds,
             interior: &self.interior,
+            exterior: &self.exterior,
         }
     }
 }
@@ -90,7 +93,10 @@ impl MediaTables {
 impl Wave<'_> {
     /// Takes paths through their media, up to what they met.
     pub(super) fn travel(&mut self) {
-        let (Some(medium), Some(media)) = (self.extras.mediums(), &self.setup.tables.media) else {
+        let (Some(medium), Some(media)) = (
+            self.extras.mediums(),
+            called_for(self.setup.tables.media.as_ref()),
+        ) else {
             return;
         };
         let n = self.paths.len();
@@ -98,8 +104,8 @@ impl Wave<'_> {
         with_sampler!(self.setup.sampler, sampler => {
             travel(n, medium, media, sampler, &mut paths, &mut hits);
         });
-        let tally = Tally::of(&paths.bounces[..n], 0);
-        self.account.book(Stage::Travel, &tally, &tally, TRAVEL * n);
+        let traced = &self.traced;
+        self.account.book(Stage::Travel, traced, traced, TRAVEL * n);
     }
 }
 

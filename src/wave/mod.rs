@@ -34,6 +34,7 @@ mod scheduler;
 mod setup;
 mod shade;
 mod shutter;
+mod slowed;
 mod sort;
 mod stages;
 mod stats;
@@ -63,6 +64,7 @@ use sort::Lists;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use surfaces::Surfaces;
+use tally::Tally;
 
 /// One worker's wave: its queues, allocated once.
 struct Wave<'a> {
@@ -88,6 +90,12 @@ struct Wave<'a> {
     /// moves.
     rows: Vec<u32>,
     account: Account,
+    /// Paths at the last intersection by bounce: counted once, booked by several stages.
+    traced: Tally,
+    /// The same of paths that were scattered and go on.
+    went_on: Tally,
+    /// The same of occlusion rays.
+    cast: Tally,
     rays: u64,
 }
 
@@ -101,7 +109,7 @@ impl<'a> Wave<'a> {
             paths: Queue::new(capacity),
             extras: Extras::new(setup.carried, capacity, Along::Paths),
             hits: Queue::new(capacity),
-            lists: Lists::new(setup),
+            lists: Lists::new(setup, !instruments.unaccounted),
             surfaces: setup.surfaces(),
             branches: setup.branches(),
             scattered: Queue::new(capacity),
@@ -112,6 +120,9 @@ impl<'a> Wave<'a> {
             shadow_times: setup.carried.times.then(|| ShadowTimes::new(shadows)),
             rows: Vec::new(),
             account: Account::new(instruments, epoch),
+            traced: Tally::default(),
+            went_on: Tally::default(),
+            cast: Tally::default(),
             rays: 0,
         }
     }

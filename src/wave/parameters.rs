@@ -1,13 +1,16 @@
 //! From a material's BSDF to the slots where its kernel looks for its parameters
 //! (`huygens_kernels::scatter::kinds`), and to the images that vary them.
 
-use crate::scene::material::{Dielectric, Principled, TextureUse, Textured};
+use crate::scene::material::{Cauchy, Dielectric, Principled, TextureUse, Textured};
 use crate::scene::{Bsdf, Material};
 use huygens_kernels::bsdf::fresnel::conductor_mean;
 use huygens_kernels::images::Site;
 use huygens_kernels::scatter::kinds::CAUCHY_B;
 use huygens_kernels::scatter::texture::Layout;
 use huygens_kernels::tables::SLOTS;
+
+/// The slot of the principled surface's index.
+const INDEX: usize = 5;
 
 /// The parameters of a material.
 #[derive(Clone, Debug, Default)]
@@ -57,14 +60,12 @@ impl Parameters {
             Bsdf::Dielectric(glass) => {
                 all.dielectric(glass);
                 all.plain(&[flag(material.compensation)]);
-                if let Some(cauchy) = glass.dispersion.filter(|_| !glass.thin) {
-                    (all.slots[0], all.slots[CAUCHY_B]) = (cauchy.a, cauchy.b);
-                    all.layout.slots = all.layout.slots.max(CAUCHY_B + 1);
-                }
+                all.disperse(0, glass.dispersion.filter(|_| glass.disperses()));
             }
             Bsdf::Principled(p) => {
                 all.principled(p);
                 all.plain(&[flag(material.compensation)]);
+                all.disperse(INDEX, p.dispersion.filter(|_| p.disperses()));
             }
             Bsdf::Mix { .. } => {}
         }
@@ -91,6 +92,15 @@ impl Parameters {
         let slot = self.layout.slots;
         self.layout.sites.push(Site { slot, colour });
         self.images.push(texture);
+    }
+
+    /// An index of refraction at slot `at` that depends on the wavelength.
+    fn disperse(&mut self, at: usize, index: Option<Cauchy>) {
+        if let Some(Cauchy { a, b, c }) = index {
+            self.slots[at] = a;
+            self.slots[CAUCHY_B..].copy_from_slice(&[b, c]);
+            self.layout.slots = SLOTS;
+        }
     }
 
     fn dielectric(&mut self, glass: &Dielectric) {

@@ -5,6 +5,7 @@
 
 use super::queue::Queue;
 use super::sampling::{AnySampler, with_sampler};
+use huygens_kernels::bare::COMPLETE;
 use huygens_kernels::compact::Kept;
 use huygens_kernels::queues::PathsMut;
 use huygens_kernels::roulette::{Rules, roulette};
@@ -22,7 +23,7 @@ pub(crate) fn run(
     kept.clear();
     let n = scattered.len();
     let mut all = scattered.view_mut();
-    with_sampler!(sampler, s => match signed {
+    with_sampler!(sampler, s => match COMPLETE && signed {
         true => roulette::<_, true>(n, &mut all, rules, s, kept, &mut dropped),
         false => roulette::<_, false>(n, &mut all, rules, s, kept, &mut dropped),
     });

@@ -10,12 +10,13 @@ use super::parameters::Parameters;
 use super::sampling::AnySampler;
 use super::shade::Program;
 use super::sort::{Route, Routes, Wanted};
-use super::surfaces::Surfaces;
+use super::surfaces::{self, Surfaces};
 use super::tables::{self, SceneTables};
 use crate::effects::{Effects, Shader};
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::settings::{Integrator, Settings};
+use huygens_kernels::bare::called_for;
 use huygens_kernels::camera::Lens;
 use huygens_kernels::motion::CameraMotion;
 use huygens_kernels::opacity::Opacities;
@@ -33,6 +34,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) shaders: Vec<Shader>,
     /// For each of them, what images may vary, where they do.
     pub(crate) textured: Vec<Option<Layout>>,
+    /// The shader of which some surfaces are brushed along their texture coordinates.
+    pub(crate) aligned: Option<Shader>,
     /// Whether shading normals differ from geometric ones anywhere.
     bends: bool,
     /// Whether lights are not the same all over.
@@ -67,6 +70,7 @@ impl<'a> Setup<'a> {
         settings: &Settings,
         filter: &'a [f32],
     ) -> Self {
+        assert_eq!(effects.left_out(), None, "a bare build");
         let tenth = 0.1 * tables::diagonal(scene) as f32;
         let program = Program::new(
             settings.integrator,
@@ -107,6 +111,7 @@ impl<'a> Setup<'a> {
         let routes = Routes::new(routes.collect(), mixtures.is_some());
         Self {
             geometry,
+            aligned: effects.aligned,
             varying_emission: effects.varying_emission,
             bends: scene.has_normals() || effects.relief,
             tables: scene_tables.view(scene, geometry),
@@ -163,6 +168,7 @@ impl Setup<'_> {
             Stage::Emission => self.wanted.emission,
             Stage::Interact => elaborate.next().is_some(),
             Stage::Texture => self.textured.iter().any(Option::is_some),
+            Stage::Align => self.aligned.is_some(),
             Stage::Light => elaborate.any(|&s| self.lights(s)),
             Stage::Scatter(shader) => self.shaders.contains(&shader),
             Stage::Vary => self.varying_emission && self.program.samples_lights(),
@@ -179,8 +185,8 @@ impl Setup<'_> {
     pub(crate) fn obstacles<'b>(&'b self, times: Option<&'b [f32]>) -> Obstacles<'b> {
         Obstacles {
             geometry: self.geometry,
-            opacities: self.opacities.as_ref(),
-            times,
+            opacities: called_for(self.opacities.as_ref()),
+            times: called_for(times),
         }
     }
 
@@ -203,12 +209,13 @@ impl Setup<'_> {
     /// The queues for surfaces that are more than plain diffuse ones, if there are any.
     pub(crate) fn surfaces(&self) -> Option<Surfaces> {
         self.runs(Stage::Interact).then(|| {
-            Surfaces::new(
-                self.capacity,
-                self.runs(Stage::Light),
-                self.bends,
-                self.runs(Stage::Texture),
-            )
+            let wanted = surfaces::Wanted {
+                lights: self.runs(Stage::Light),
+                smooth: self.bends,
+                textured: self.runs(Stage::Texture),
+                aligned: self.aligned.is_some(),
+            };
+            Surfaces::new(self.capacity, wanted)
         })
     }
 }

@@ -11,6 +11,7 @@ use super::sort::Wanted;
 use crate::effects::Effects;
 use crate::film::SampleBuffer;
 use crate::settings::{Integrator, Strategy};
+use huygens_kernels::bare::called_for;
 use huygens_kernels::emission::{sky_emission, surface_emission};
 use huygens_kernels::look::{Look, look};
 use huygens_kernels::queues::Listed;
@@ -129,10 +130,7 @@ pub(crate) fn emission(
     dropped: impl FnMut(u32),
 ) {
     let radiance = &mut samples.columns();
-    let images = tables
-        .images
-        .as_ref()
-        .is_some_and(|i| !i.emission.is_empty());
+    let images = called_for(tables.images.as_ref()).is_some_and(|i| !i.emission.is_empty());
     match (program, images) {
         (Program::Mis, false) => surface_emission::<true, false>(listed, tables, radiance, dropped),
         (Program::Mis, true) => surface_emission::<true, true>(listed, tables, radiance, dropped),

@@ -8,6 +8,7 @@ use super::queue::Queue;
 use super::sampling::with_sampler;
 use super::tally::Tally;
 use super::{QueuePlan, Wave};
+use huygens_kernels::bare::called_for;
 use huygens_kernels::cost::{Cost, columns};
 use huygens_kernels::motion::open_shutter;
 use huygens_kernels::queues::{Listed, PathsMut, TimesMut};
@@ -25,7 +26,7 @@ impl Wave<'_> {
     /// Draws the moments of the last `new` paths.
     pub(super) fn open_shutter(&mut self, new: usize) {
         let at = self.paths.len() - new;
-        let Some(times) = self.extras.times_mut() else {
+        let Some(times) = called_for(self.extras.times_mut()) else {
             return;
         };
         let (camera, mut paths) = (self.setup.camera_motion.as_ref(), self.paths.view_mut());

@@ -7,6 +7,7 @@ use super::account::Stage;
 use super::plan::QueuePlan;
 use super::setup::Setup;
 use super::tally::{Tally, for_each_run};
+use huygens_kernels::bare::{COMPLETE, called_for};
 use huygens_kernels::bsdf;
 use huygens_kernels::cost::Cost;
 use huygens_kernels::lanes::LANES;
@@ -104,6 +105,8 @@ pub(crate) struct Lists {
     pub(crate) scatter: Vec<IndexList>,
     /// The material that each path met, where mixtures may have to be drawn from.
     met: Option<Vec<u32>>,
+    /// Whether items are counted by bounce.
+    tallied: bool,
 }
 
 /// What the lists are for in this render.
@@ -156,13 +159,14 @@ impl Routes {
 }
 
 impl Lists {
-    /// The lists that a render needs.
-    pub(crate) fn new(setup: &Setup) -> Self {
+    /// The lists that a render needs; `tallied` if their items are to be counted by bounce.
+    pub(crate) fn new(setup: &Setup, tallied: bool) -> Self {
         let Setup {
             capacity, wanted, ..
         } = *setup;
         let mixed = setup.mixtures.is_some();
         Self {
+            tallied,
             met: mixed.then(|| vec![0; capacity]),
             sky: IndexList::new(if wanted.sky { capacity } else { 0 }),
             emission: IndexList::new(if wanted.emission { capacity } else { 0 }),
@@ -231,7 +235,7 @@ impl Lists {
     ) {
         let triangles = &setup.tables.triangles;
         let far = setup.routes.only.is_none() && prefetch::is_worth_it(triangles);
-        match (setup.medium_list.is_some(), far) {
+        match (COMPLETE && setup.medium_list.is_some(), far) {
             (false, false) => self.sort_with::<false, false>(n, paths, hits, setup, wanted),
             (false, true) => self.sort_with::<false, true>(n, paths, hits, setup, wanted),
             (true, false) => self.sort_with::<true, false>(n, paths, hits, setup, wanted),
@@ -254,7 +258,7 @@ impl Lists {
         let triangles = &setup.tables.triangles;
         let primitives = &hits.primitive[..n];
         self.all().for_each(IndexList::clear);
-        for_each_run(&paths.bounces[..n], |bounce, run| {
+        for_each_run(&paths.bounces[..n], self.tallied, |bounce, run| {
             for list in self.all() {
                 list.before = list.len;
             }
@@ -278,7 +282,9 @@ impl Lists {
                     };
                     self.emission
                         .push_if(i, wanted.emission && light && route.emits);
-                    if let (Some(mixtures), Some(met)) = (&setup.mixtures, &mut self.met) {
+                    if let (Some(mixtures), Some(met)) =
+                        (called_for(setup.mixtures.as_ref()), &mut self.met)
+                    {
                         met[i] = mixtures.draw(&paths, &hits, i, material);
                         route = routes.of[met[i] as usize];
                     }

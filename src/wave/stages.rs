@@ -9,14 +9,16 @@ use super::shutter::ShadowTimes;
 use super::sort::Wanted;
 use super::surfaces::Surfaces;
 use super::tally::Tally;
-use super::{Wave, cast, intersect, roulette, shade, sort};
+use super::{Wave, cast, intersect, roulette, shade, slowed, sort};
 use crate::effects::Shader;
 use crate::film::SampleBuffer;
+use huygens_kernels::bare::{COMPLETE, called_for};
 use huygens_kernels::cost::{Cost, item};
 use huygens_kernels::emission::{SKY, SURFACE, UNOCCLUDED};
 use huygens_kernels::light::{VARIED, vary};
 use huygens_kernels::queues::{Listed, PathHitsMut, PathsMut};
 use huygens_kernels::rays::{CLOSEST, OCCLUSION};
+use huygens_kernels::scatter::align::ALIGN;
 use huygens_kernels::scatter::disperse::{DISPERSE, disperse};
 use huygens_kernels::scatter::interact::INTERACT;
 use huygens_kernels::scatter::light_up::LIGHT_UP;
@@ -45,27 +47,33 @@ impl Wave<'_> {
 
     pub(super) fn intersect(&mut self, slots: Slots) {
         let account = &mut self.account;
-        intersect::intersect(
-            self.setup.obstacles(self.extras.times()),
-            &mut self.paths,
-            &mut self.hits,
-            |slot| {
-                account.lose_ray(Stage::Intersect.name(), slots.sample_of(slot));
-            },
-        );
+        for _ in 0..slowed::times(Stage::Intersect) {
+            intersect::intersect(
+                self.setup.obstacles(self.extras.times()),
+                &mut self.paths,
+                &mut self.hits,
+                |slot| {
+                    account.lose_ray(Stage::Intersect.name(), slots.sample_of(slot));
+                },
+            );
+        }
         let n = self.paths.len();
-        let traced = Tally::of(&self.paths.view().bounces[..n], 0);
-        account.book(Stage::Intersect, &traced, &traced, CLOSEST * n);
+        self.traced = account.tally(&self.paths.view().bounces[..n]);
+        account.book(Stage::Intersect, &self.traced, &self.traced, CLOSEST * n);
     }
 
     pub(super) fn sort(&mut self) {
         let (setup, n) = (self.setup, self.paths.len());
         let (paths, hits) = (self.paths.view(), self.hits.view());
-        self.lists.sort(n, paths, hits, setup, setup.wanted);
+        for _ in 0..slowed::times(Stage::Sort) {
+            self.lists.sort(n, paths, hits, setup, setup.wanted);
+        }
+        if !self.account.counts() {
+            return;
+        }
         let listed = self.lists.tally();
         let cost = sort::READ * n + sort::WRITTEN * listed.total();
-        let sorted = Tally::of(&paths.bounces[..n], 0);
-        self.account.book(Stage::Sort, &sorted, &listed, cost);
+        self.account.book(Stage::Sort, &self.traced, &listed, cost);
     }
 
     /// Adds the light that paths find by themselves.
@@ -113,7 +121,7 @@ impl Wave<'_> {
         let (paths, hits) = (self.paths.view(), self.hits.view());
         let n = self.paths.len();
         self.lists.sort(n, paths, hits, setup, Wanted::SURFACES);
-        let gone = Tally::of(&paths.bounces[..n], 0);
+        let gone = account.tally(&paths.bounces[..n]);
         let row = item::<PathsMut<'static>>() + item::<PathHitsMut<'static>>();
         // To wait, and from there.
         let cost = Cost::new(row, row) * (arrived + n);
@@ -122,7 +130,7 @@ impl Wave<'_> {
 
     /// Gives a wavelength to the paths that meet dispersive surfaces.
     pub(super) fn disperse(&mut self) {
-        let Some(mut wavelengths) = self.extras.wavelengths_mut() else {
+        let Some(mut wavelengths) = called_for(self.extras.wavelengths_mut()) else {
             return;
         };
         let mut paths = self.paths.view_mut();
@@ -144,6 +152,7 @@ impl Wave<'_> {
         let (paths, hits) = (self.paths.view(), self.hits.view());
         let (account, extras) = (&mut self.account, &self.extras);
         self.scattered_extras.clear();
+        (self.went_on, self.cast) = (Tally::default(), Tally::default());
         let mut out = Out {
             paths: self.scattered.view_mut(),
             path_len: 0,
@@ -165,18 +174,24 @@ impl Wave<'_> {
             );
             let before = (out.path_len, out.shadow_len);
             let cost = match &mut self.surfaces {
-                _ if shader == Shader::Medium => {
+                _ if COMPLETE && shader == Shader::Medium => {
                     let medium = extras.mediums().unwrap_or_default();
                     media::in_medium(program, listed, medium, tables, sampler, &mut out);
                     [medium::PATH, medium::SHADOW]
                 }
-                Some(surfaces) if shader.has_rows() => {
-                    surfaces.interact(listed, tables, sampler);
+                Some(surfaces) if COMPLETE && shader.has_rows() => {
+                    for _ in 0..slowed::times(Stage::Interact) {
+                        surfaces.interact(listed, tables, sampler);
+                    }
                     account.book(Stage::Interact, tally, tally, INTERACT * list.len());
                     let textured = setup.textured[k].as_ref();
                     if let Some(layout) = textured {
                         surfaces.texture(listed, tables, layout);
                         account.book(Stage::Texture, tally, tally, TEXTURE * list.len());
+                    }
+                    if setup.aligned == Some(shader) {
+                        surfaces.align(listed, tables);
+                        account.book(Stage::Align, tally, tally, ALIGN * list.len());
                     }
                     if setup.lights(shader) {
                         surfaces.light_up(shader, tables);
@@ -206,13 +221,15 @@ impl Wave<'_> {
                 self.scattered_extras.append_rows(extras, list.indices());
             }
             let cast = before.1..out.shadow_len;
-            if tables.media.is_some() || self.shadow_times.is_some() {
+            if COMPLETE && (tables.media.is_some() || self.shadow_times.is_some()) {
                 cast::rows_of(listed, &out.shadows.slot[cast.clone()], &mut self.rows);
             }
-            if let Some(times) = &mut self.shadow_times {
+            if let Some(times) = called_for(self.shadow_times.as_mut()) {
                 times.give(cast.clone(), listed, &self.rows);
             }
-            if let (Some(media), Some(medium)) = (&tables.media, extras.mediums()) {
+            if let (Some(media), Some(medium)) =
+                (called_for(tables.media.as_ref()), extras.mediums())
+            {
                 let surfaces = self.surfaces.as_ref().filter(|_| shader.passes());
                 let gone = Gone {
                     listed,
@@ -224,16 +241,17 @@ impl Wave<'_> {
                     gone.cross(media, &out.paths, before.0, into);
                 }
             }
-            let on = Tally::of(&out.paths.bounces[before.0..out.path_len], 0);
-            let cast = Tally::of(&out.shadows.bounces[before.1..out.shadow_len], 0);
+            let on = account.tally(&out.paths.bounces[before.0..out.path_len]);
+            let cast = account.tally(&out.shadows.bounces[before.1..out.shadow_len]);
             let cost = cost[0] * on.total() + cost[1] * cast.total();
+            self.went_on.extend(&on);
+            self.cast.extend(&cast);
             account.book(stage, tally, &on.plus(&cast), cost);
         }
         let (on, cast) = (out.path_len, out.shadow_len);
-        if cast > 0 && setup.runs(Stage::Vary) {
+        if COMPLETE && cast > 0 && setup.runs(Stage::Vary) {
             vary(cast, &mut out.shadows, tables);
-            let varied = Tally::of(&out.shadows.bounces[..cast], 0);
-            account.book(Stage::Vary, &varied, &varied, VARIED * cast);
+            account.book(Stage::Vary, &self.cast, &self.cast, VARIED * cast);
         }
         self.scattered.set_len(on);
         self.shadows.set_len(cast);
@@ -259,9 +277,8 @@ impl Wave<'_> {
         for slot in lost {
             account.lose_ray(Stage::Occlude.name(), slots.sample_of(slot));
         }
-        let cast = Tally::of(&self.shadows.view().bounces[..n], 0);
         let cost = (OCCLUSION + UNOCCLUDED) * n;
-        account.book(Stage::Occlude, &cast, &Tally::default(), cost);
+        account.book(Stage::Occlude, &self.cast, &Tally::default(), cost);
     }
 
     pub(super) fn roulette(&mut self, slots: Slots) {
@@ -282,12 +299,11 @@ impl Wave<'_> {
         if n == 0 {
             return;
         }
-        let on = Tally::of(&self.scattered.view().bounces[..n], 0);
-        let left = Tally::of(&self.paths.view().bounces[..survivors], 0);
+        let left = account.tally(&self.paths.view().bounces[..survivors]);
         let moved = item::<PathsMut<'static>>();
         let cost =
             (roulette_kernel::COST + Cost::new(moved, 0)) * n + Cost::new(0, moved) * survivors;
-        account.book(Stage::Roulette, &on, &left, cost);
+        account.book(Stage::Roulette, &self.went_on, &left, cost);
     }
 
     pub(super) fn commit(&mut self, samples: usize, left_out: &[(u32, u32, u32)]) {

@@ -11,8 +11,9 @@ use super::sampling::{AnySampler, with_sampler};
 use super::shade::Program;
 use crate::effects::Shader;
 use huygens_kernels::queues::{
-    self, DrawnMut, Listed, LitMut, SmoothMut, SurfacesMut, TexturedMut,
+    self, AlignedMut, DrawnMut, Listed, LitMut, SmoothMut, SurfacesMut, TexturedMut,
 };
+use huygens_kernels::scatter::align::align;
 use huygens_kernels::scatter::interact::interact;
 use huygens_kernels::scatter::kinds;
 use huygens_kernels::scatter::light_up::light_up;
@@ -20,6 +21,19 @@ use huygens_kernels::scatter::respond::{Kind, Rows, respond};
 use huygens_kernels::scatter::texture::{Layout, texture};
 use huygens_kernels::scatter::{LightsAlone, LightsWeighted, NoLights, Out};
 use huygens_kernels::tables::{Materials, Tables};
+
+/// Which queues there are beside those of all surfaces.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wanted {
+    /// For samples of lights.
+    pub(crate) lights: bool,
+    /// For normals that are interpolated or bent.
+    pub(crate) smooth: bool,
+    /// For images.
+    pub(crate) textured: bool,
+    /// For brushed surfaces.
+    pub(crate) aligned: bool,
+}
 
 /// The queues between the passes.
 pub(crate) struct Surfaces {
@@ -29,17 +43,26 @@ pub(crate) struct Surfaces {
     lit: Queue<LitMut<'static>>,
     /// Where normals are interpolated or bent.
     smooth: Option<Queue<SmoothMut<'static>>>,
+    /// Where some are brushed along texture coordinates.
+    aligned: Option<Queue<AlignedMut<'static>>>,
     /// Where materials read images.
     textured: Option<Queue<TexturedMut<'static>>>,
 }
 
 impl Surfaces {
-    pub(crate) fn new(capacity: usize, lights: bool, smooth: bool, textured: bool) -> Self {
+    pub(crate) fn new(capacity: usize, wanted: Wanted) -> Self {
+        let Wanted {
+            lights,
+            smooth,
+            textured,
+            aligned,
+        } = wanted;
         Self {
             surfaces: Queue::new(capacity),
             drawn: Queue::new(capacity),
             lit: Queue::new(if lights { capacity } else { 0 }),
             smooth: smooth.then(|| Queue::new(capacity)),
+            aligned: aligned.then(|| Queue::new(capacity)),
             textured: textured.then(|| Queue::new(capacity)),
         }
     }
@@ -53,7 +76,9 @@ impl Surfaces {
         let smooth = smooth.and_then(|queue| QueuePlan::of("interpolated surfaces", queue));
         let textured = self.textured.as_ref();
         let textured = textured.and_then(|queue| QueuePlan::of("textured surfaces", queue));
-        [surfaces, smooth, textured, drawn, lit]
+        let aligned = self.aligned.as_ref();
+        let aligned = aligned.and_then(|queue| QueuePlan::of("aligned surfaces", queue));
+        [surfaces, smooth, textured, aligned, drawn, lit]
             .into_iter()
             .flatten()
     }
@@ -73,6 +98,19 @@ impl Surfaces {
             let surfaces = self.surfaces.view_mut();
             texture(listed, tables, layout, surfaces, textured.view_mut());
             textured.set_len(listed.len);
+        }
+    }
+
+    /// Which way they lie.
+    pub(crate) fn align(&mut self, listed: Listed, tables: &Tables) {
+        if let Some(aligned) = &mut self.aligned {
+            align(
+                listed,
+                tables,
+                self.surfaces.view(),
+                &mut aligned.view_mut(),
+            );
+            aligned.set_len(listed.len);
         }
     }
 
@@ -115,6 +153,7 @@ impl Surfaces {
             drawn: self.drawn.view(),
             lit: self.lit.view(),
             smooth: self.smooth.as_ref().map(Queue::view),
+            aligned: self.aligned.as_ref().map(Queue::view),
             wavelengths,
         };
         match shader {
@@ -139,9 +178,14 @@ impl Surfaces {
             Shader::RoughDispersive => {
                 with::<kinds::RoughDielectric<true>>(program, rows, materials, out);
             }
-            Shader::Principled => with::<kinds::Principled<false>>(program, rows, materials, out),
+            Shader::Principled => {
+                with::<kinds::Principled<false, false>>(program, rows, materials, out);
+            }
             Shader::PrincipledGlass => {
-                with::<kinds::Principled<true>>(program, rows, materials, out);
+                with::<kinds::Principled<true, false>>(program, rows, materials, out);
+            }
+            Shader::PrincipledDispersive => {
+                with::<kinds::Principled<true, true>>(program, rows, materials, out);
             }
         }
     }

@@ -110,7 +110,7 @@ impl<'a> SceneTables<'a> {
     }
 
     fn view_of_attributes(&self, scene: &'a Scene) -> Option<Attributes<'a>> {
-        let read = scene.has_normals() || self.images.is_some();
+        let read = scene.has_normals() || self.images.is_some() || scene.is_brushed().is_some();
         read.then_some(attributes(&scene.mesh))
     }
 

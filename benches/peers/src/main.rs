@@ -63,7 +63,8 @@ fn run(options: &Options) -> Result<(), String> {
         if options.builds_only {
             continue;
         }
-        let measured = measure::measure(&subject, options.rays(), options.rounds(), threads)?;
+        let (rays, warm_up) = (options.rays(), options.warm_up());
+        let measured = measure::measure(&subject, rays, warm_up, options.rounds(), threads)?;
         eprintln!("  {}", report::last_line(std::slice::from_ref(&measured)));
         all.push(measured);
     }

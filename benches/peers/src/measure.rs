@@ -4,10 +4,11 @@ use crate::agree::{Agreement, differences};
 use crate::catalogue::Subject;
 use crate::embree::{Device, Packets, Quality, Scene, Single, Stream};
 use crate::ours::Ours;
-use crate::queue::{Closest, Found, Occluded, Queue};
+use crate::queue::{Closest, Found, Occluded};
 use crate::rounds::{Timings, Variant};
-use crate::sets::Sets;
+use crate::sets::{Set, Sets};
 use huygens::geometry::Preset;
+use std::cell::RefCell;
 
 /// What Huygens is called in timings.
 pub(crate) const OURS: &str = "ours";
@@ -68,21 +69,23 @@ impl<'d> Scenes<'d> {
 pub(crate) fn measure(
     subject: &Subject,
     n: usize,
+    warm_up: usize,
     rounds: usize,
     threads: usize,
 ) -> Result<Measured, String> {
     let device = Device::new(threads)?;
     let scenes = Scenes::build(&device, subject)?;
     let ours = Ours::build(&subject.mesh, Preset::default());
-    let sets = Sets::make(subject, &ours, n)?;
+    let sets = Sets::make(subject, &ours, n, warm_up)?;
     let both = [
         (OURS, &ours),
         (BEST, &Ours::build(&subject.mesh, Preset::Best)),
     ];
     let mut timings = Vec::new();
     let mut agreement = Vec::new();
-    for (name, queue) in [("camera", &sets.camera), ("b1", &sets.b1), ("b2", &sets.b2)] {
-        timings.push((name, closest(queue, both, &scenes, rounds)));
+    for (name, set) in [("camera", &sets.camera), ("b1", &sets.b1), ("b2", &sets.b2)] {
+        timings.push((name, closest(set, both, &scenes, rounds)));
+        let queue = &set.queue;
         let found = |tracer: &dyn Closest| {
             let mut found = Found::new(queue.len());
             tracer.closest(queue, &mut found);
@@ -93,13 +96,14 @@ pub(crate) fn measure(
         agreement.push((name, [judge(&scenes.robust), judge(&scenes.plain)]));
     }
     timings.push(("sh1", occluded(&sets.sh1, both, &scenes, rounds)));
+    let sh1 = &sets.sh1.queue;
     let blocked = |tracer: &dyn Occluded| {
-        let mut blocked = vec![0; sets.sh1.t_max.len()];
-        tracer.occluded(&sets.sh1, &mut blocked);
+        let mut blocked = vec![0; sh1.t_max.len()];
+        tracer.occluded(sh1, &mut blocked);
         blocked
     };
     let first = blocked(&ours);
-    let differ = |scene| differences(sets.sh1.len(), &first, &blocked(&Single(scene)));
+    let differ = |scene| differences(sh1.len(), &first, &blocked(&Single(scene)));
     let each = |bytes: usize| bytes as f64 / subject.mesh.triangles() as f64;
     Ok(Measured {
         name: subject.name,
@@ -116,61 +120,61 @@ pub(crate) fn measure(
     })
 }
 
-fn closest(
-    queue: &Queue,
-    ours: [(&'static str, &Ours); 2],
-    scenes: &Scenes,
-    rounds: usize,
-) -> Timings {
-    let mut tracers: Vec<(&'static str, Box<dyn Closest + '_>)> = vec![
-        ("robust", Box::new(Single(&scenes.robust))),
-        ("default", Box::new(Single(&scenes.plain))),
-        ("HIGH", Box::new(Single(&scenes.high))),
-        ("robust stream", Box::new(Stream(&scenes.robust))),
-        ("stream", Box::new(Stream(&scenes.plain))),
-    ];
+fn closest(set: &Set, ours: [(&'static str, &Ours); 2], scenes: &Scenes, rounds: usize) -> Timings {
+    let Set { queue, warm_up } = set;
+    let mut tracers: Vec<(&'static str, Box<dyn Closest + '_>)> = Vec::new();
+    for (name, ours) in ours {
+        tracers.push((name, Box::new(ours)));
+    }
+    tracers.push(("robust", Box::new(Single(&scenes.robust))));
+    tracers.push(("default", Box::new(Single(&scenes.plain))));
+    tracers.push(("HIGH", Box::new(Single(&scenes.high))));
+    tracers.push(("robust stream", Box::new(Stream(&scenes.robust))));
+    tracers.push(("stream", Box::new(Stream(&scenes.plain))));
     if queue.coherent {
         tracers.push(("robust packets", Box::new(Packets(&scenes.robust))));
         tracers.push(("packets", Box::new(Packets(&scenes.plain))));
     }
-    let mut found = Found::new(queue.len());
-    let found = std::cell::RefCell::new(&mut found);
-    let mut variants: Vec<Variant> = Vec::new();
-    for (name, ours) in ours {
-        let found = &found;
-        let work = move || ours.closest(queue, &mut found.borrow_mut());
-        variants.push((name, Box::new(work)));
-    }
+    let found = RefCell::new(Found::new(queue.len()));
+    let mut variants = Vec::new();
     for (name, tracer) in &tracers {
-        let work = || tracer.closest(queue, &mut found.borrow_mut());
-        variants.push((name, Box::new(work)));
+        let found = &found;
+        let on = |rays| move || tracer.closest(rays, &mut found.borrow_mut());
+        variants.push(Variant {
+            name,
+            warm_up: Box::new(on(warm_up)),
+            work: Box::new(on(queue)),
+        });
     }
     Timings::take(queue.len(), rounds, variants)
 }
 
 fn occluded(
-    queue: &Queue,
+    set: &Set,
     ours: [(&'static str, &Ours); 2],
     scenes: &Scenes,
     rounds: usize,
 ) -> Timings {
-    let tracers: [(&'static str, Box<dyn Occluded + '_>); 5] = [
-        ("robust", Box::new(Single(&scenes.robust))),
-        ("default", Box::new(Single(&scenes.plain))),
-        ("HIGH", Box::new(Single(&scenes.high))),
-        ("robust stream", Box::new(Stream(&scenes.robust))),
-        ("stream", Box::new(Stream(&scenes.plain))),
-    ];
-    let blocked = std::cell::RefCell::new(vec![0; queue.t_max.len()]);
-    let mut variants: Vec<Variant> = Vec::new();
+    let Set { queue, warm_up } = set;
+    let mut tracers: Vec<(&'static str, Box<dyn Occluded + '_>)> = Vec::new();
     for (name, ours) in ours {
-        let blocked = &blocked;
-        let work = move || ours.occluded(queue, &mut blocked.borrow_mut());
-        variants.push((name, Box::new(work)));
+        tracers.push((name, Box::new(ours)));
     }
+    tracers.push(("robust", Box::new(Single(&scenes.robust))));
+    tracers.push(("default", Box::new(Single(&scenes.plain))));
+    tracers.push(("HIGH", Box::new(Single(&scenes.high))));
+    tracers.push(("robust stream", Box::new(Stream(&scenes.robust))));
+    tracers.push(("stream", Box::new(Stream(&scenes.plain))));
+    let blocked = RefCell::new(vec![0; queue.t_max.len()]);
+    let mut variants = Vec::new();
     for (name, tracer) in &tracers {
-        let work = || tracer.occluded(queue, &mut blocked.borrow_mut());
-        variants.push((name, Box::new(work)));
+        let blocked = &blocked;
+        let on = |rays| move || tracer.occluded(rays, &mut blocked.borrow_mut());
+        variants.push(Variant {
+            name,
+            warm_up: Box::new(on(warm_up)),
+            work: Box::new(on(queue)),
+        });
     }
     Timings::take(queue.len(), rounds, variants)
 }

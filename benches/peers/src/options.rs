@@ -23,6 +23,11 @@ pub(crate) struct Options {
     /// Rays a queue, rounded up to whole waves of 4096 [default: 262144, quick: 65536]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 26))]
     rays: Option<u32>,
+    /// Begin each turn with caches full of another tracer's tree
+    ///
+    /// Otherwise a quarter as many rays of the same kind go before those that are timed.
+    #[arg(long)]
+    cold: bool,
     /// Rounds of each comparison [default: 5, quick: 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     rounds: Option<u32>,
@@ -53,6 +58,15 @@ impl Options {
             catalogue::QUICK.to_vec()
         } else {
             catalogue::NAMES.to_vec()
+        }
+    }
+
+    /// Rays that each turn begins with, whole waves, none if caches are to be cold.
+    pub(crate) fn warm_up(&self) -> usize {
+        if self.cold {
+            0
+        } else {
+            (self.rays() / 4).next_multiple_of(WAVE)
         }
     }
 

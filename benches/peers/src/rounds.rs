@@ -1,11 +1,21 @@
 //! Variants against each other: each round runs all of them over the same queue, so that whatever
 //! else the machine is doing meets all alike, and ratios are taken within rounds.
+//!
+//! A render asks one tracer about one tree all along. Here each turn would begin with caches full of
+//! somebody else's tree, and the faster a tracer is, the larger a part of its turn that costs. So a turn
+//! begins with rays of the same kind that are not timed; `--cold` leaves them out.
 
 use crate::clock::thread_seconds;
 use crate::statistics::{Spread, median, spread};
 
-/// One variant: its name and what it does with the queue.
-pub(crate) type Variant<'a> = (&'static str, Box<dyn FnMut() + 'a>);
+/// One variant.
+pub(crate) struct Variant<'a> {
+    pub(crate) name: &'static str,
+    /// What a turn begins with, not timed.
+    pub(crate) warm_up: Box<dyn FnMut() + 'a>,
+    /// What it does with the queue.
+    pub(crate) work: Box<dyn FnMut() + 'a>,
+}
 
 /// CPU seconds of each variant in each round.
 #[derive(Clone, Debug)]
@@ -18,14 +28,14 @@ impl Timings {
     /// Runs each variant once without looking at the clock, then `rounds` rounds, each beginning
     /// with another variant, so that none always runs in the wake of the same one.
     pub(crate) fn take(rays: usize, rounds: usize, mut variants: Vec<Variant>) -> Self {
-        variants.iter_mut().for_each(|(_, work)| work());
-        let mut seconds: Vec<_> = variants.iter().map(|v| (v.0, Vec::new())).collect();
+        variants.iter_mut().for_each(|variant| (variant.work)());
+        let mut seconds: Vec<_> = variants.iter().map(|v| (v.name, Vec::new())).collect();
         for round in 0..rounds {
             for k in 0..variants.len() {
                 let which = (round + k) % variants.len();
-                seconds[which]
-                    .1
-                    .push(thread_seconds(&mut variants[which].1));
+                let variant = &mut variants[which];
+                (variant.warm_up)();
+                seconds[which].1.push(thread_seconds(&mut variant.work));
             }
         }
         Self { rays, seconds }

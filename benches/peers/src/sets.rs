@@ -11,35 +11,56 @@ use glam::Vec3;
 use huygens::scene::Mesh;
 use huygens_kernels::rays::NO_PRIMITIVE;
 
+/// Rays of a kind.
+#[derive(Debug)]
+pub(crate) struct Set {
+    /// What is timed.
+    pub(crate) queue: Queue,
+    /// Others of the same kind, which bring a tracer's tree into the caches.
+    pub(crate) warm_up: Queue,
+}
+
 /// The sets of one mesh.
 #[derive(Debug)]
 pub(crate) struct Sets {
     /// Camera rays, in squares of four by four pixels.
-    pub(crate) camera: Queue,
+    pub(crate) camera: Set,
     /// Cosine-weighted, from what the camera sees.
-    pub(crate) b1: Queue,
+    pub(crate) b1: Set,
     /// Cosine-weighted, from what `b1` meets.
-    pub(crate) b2: Queue,
+    pub(crate) b2: Set,
     /// From what `b1` meets to points on the light.
-    pub(crate) sh1: Queue,
+    pub(crate) sh1: Set,
 }
 
 impl Sets {
-    /// Sets of `n` rays, a multiple of 16; hits are found by `tracer`.
+    /// Sets of `n` rays and `warm_up` others, multiples of 16; hits are found by `tracer`.
     ///
     /// # Errors
     /// If the camera sees nothing, or nothing that it sees faces the light.
-    pub(crate) fn make(subject: &Subject, tracer: &impl Closest, n: usize) -> Result<Self, String> {
+    pub(crate) fn make(
+        subject: &Subject,
+        tracer: &impl Closest,
+        n: usize,
+        warm_up: usize,
+    ) -> Result<Self, String> {
+        let set = |rays: &dyn Fn(usize, u64) -> Result<Queue, String>, seed| {
+            Ok::<_, String>(Set {
+                queue: rays(n, seed)?,
+                warm_up: rays(warm_up, seed + 1000)?,
+            })
+        };
         let meet = |rays: &Queue| {
-            let mut found = Found::new(n);
+            let mut found = Found::new(rays.len());
             tracer.closest(rays, &mut found);
             Surfaces::new(&subject.mesh, rays, &found)
         };
-        let camera = camera(&subject.camera, n);
-        let b1 = meet(&camera).bounce(n, 11)?;
-        let after = meet(&b1);
-        let b2 = after.bounce(n, 22)?;
-        let sh1 = after.shadow(subject.light, n, 33)?;
+        let camera = set(&|n, seed| Ok(camera(&subject.camera, n, seed)), 7)?;
+        let seen = meet(&camera.queue);
+        let b1 = set(&|n, seed| seen.bounce(n, seed), 11)?;
+        let after = meet(&b1.queue);
+        let b2 = set(&|n, seed| after.bounce(n, seed), 22)?;
+        let sh1 = set(&|n, seed| after.shadow(subject.light, n, seed), 33)?;
         Ok(Self {
             camera,
             b1,
@@ -51,10 +72,10 @@ impl Sets {
 
 /// `n` rays through a square image, a square of 16 pixels after the other: the order in which
 /// packets of 16 are most coherent.
-fn camera(camera: &Camera, n: usize) -> Queue {
+fn camera(camera: &Camera, n: usize, seed: u64) -> Queue {
     let across = ((n as f64 / 16.0).sqrt().ceil() as usize).max(1);
     let pixel = 2.0 / (4 * across) as f32;
-    let mut random = Random(7);
+    let mut random = Random(seed);
     let mut queue = Queue::with_capacity(n);
     queue.coherent = true;
     for i in 0..n {

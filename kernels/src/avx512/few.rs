@@ -52,7 +52,7 @@ fn closest_of(few: Few, rays: Rays, hits: &mut Hits) {
         for triangle in few.triangles {
             let index = _mm512_set1_epi32(triangle.primitive as i32);
             let wanted = _mm512_mask_cmpneq_epi32_mask(view.used, index, leaves);
-            let met = view.test(triangle, &sheared, wanted, &mut doubt);
+            let met = view.test(corners(triangle, &sheared), wanted, &mut doubt);
             // Strictly nearer: of equally near ones the first.
             let nearer = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(met.which, met.t, t);
             t = _mm512_mask_mov_ps(t, nearer, met.t);
@@ -96,7 +96,7 @@ fn occluded_by(few: Few, segments: Segments, occluded: &mut [u32]) {
             let index = _mm512_set1_epi32(triangle.primitive as i32);
             let wanted = _mm512_mask_cmpneq_epi32_mask(view.used, index, leaves);
             let wanted = _mm512_mask_cmpneq_epi32_mask(wanted, index, reaches);
-            let met = view.test(triangle, &sheared, wanted, &mut doubt);
+            let met = view.test(corners(triangle, &sheared), wanted, &mut doubt);
             blocked |= _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(met.which, met.t, end);
         }
         let unsure = doubt.lanes(view.used);
@@ -135,19 +135,19 @@ fn integers(column: &[u32], range: &Range<usize>) -> __m512i {
 type Sheared = [[__m512; 3]; MAX_VERTICES];
 
 /// Sixteen rays as the test takes them.
-struct View {
+pub(super) struct View {
     /// Those that are tested here.
-    used: __mmask16,
+    pub(super) used: __mmask16,
     /// 1 over the main component.
-    inverse: __m512,
+    pub(super) inverse: __m512,
 }
 
 /// Which rays' lines meet a triangle at `t > 0`, and where.
-struct Met {
-    which: __mmask16,
-    t: __m512,
-    u: __m512,
-    v: __m512,
+pub(super) struct Met {
+    pub(super) which: __mmask16,
+    pub(super) t: __m512,
+    pub(super) u: __m512,
+    pub(super) v: __m512,
 }
 
 impl View {
@@ -172,18 +172,15 @@ impl View {
         }
     }
 
-    /// Tests the `wanted` rays.
+    /// Tests the `wanted` rays against a triangle, given its corners as the rays see them.
     #[inline]
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-    fn test(
+    pub(super) fn test(
         &self,
-        triangle: &Triangle,
-        sheared: &Sheared,
+        [a, b, c]: [&[__m512; 3]; 3],
         wanted: __mmask16,
         doubt: &mut Doubt,
     ) -> Met {
-        let corner = |k: usize| &sheared[usize::from(triangle.corners[k])];
-        let (a, b, c) = (corner(0), corner(1), corner(2));
         let edge = |p: &[__m512; 3], q: &[__m512; 3]| {
             let product = _mm512_mul_ps(p[1], q[0]);
             _mm512_sub_ps(
@@ -193,9 +190,7 @@ impl View {
         };
         let (wa, wb, wc) = (edge(c, b), edge(a, c), edge(b, a));
         let det = _mm512_add_ps(_mm512_add_ps(wa, wb), wc);
-        doubt.least = least_size(doubt.least, least_size(wa, least_size(wb, wc)));
-        let size = _mm512_castps_si512(_mm512_abs_ps(det));
-        doubt.most = _mm512_max_epu32(doubt.most, size);
+        doubt.consider(wanted, least_size(wa, least_size(wb, wc)), det);
         let share = _mm512_div_ps(_mm512_set1_ps(1.0), det);
         let ua = _mm512_mul_ps(wa, share);
         let (ub, uc) = (_mm512_mul_ps(wb, share), _mm512_mul_ps(wc, share));
@@ -223,11 +218,21 @@ impl View {
     }
 }
 
+/// For `vrangeps`: of the lesser magnitude, the magnitude.
+const LEAST: i32 = 0b1010;
+
+/// A triangle's corners.
+#[inline]
+fn corners<'a>(triangle: &Triangle, sheared: &'a Sheared) -> [&'a [__m512; 3]; 3] {
+    let [a, b, c] = triangle.corners;
+    [a, b, c].map(|corner| &sheared[usize::from(corner)])
+}
+
 /// The magnitude of the lesser one.
 #[inline]
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
 fn least_size(a: __m512, b: __m512) -> __m512 {
-    _mm512_range_ps::<0b1010>(a, b)
+    _mm512_range_ps::<LEAST>(a, b)
 }
 
 /// The magnitude of the greater one.
@@ -238,7 +243,7 @@ fn greatest_size(a: __m512, b: __m512) -> __m512 {
 }
 
 /// What decides in the end whether all edge functions were sure.
-struct Doubt {
+pub(super) struct Doubt {
     /// The least magnitude of an edge function.
     least: __m512,
     /// The bits of the greatest magnitude of a doubled area: those of a NaN are greater still.
@@ -250,7 +255,7 @@ struct Doubt {
 impl Doubt {
     #[inline]
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self {
             least: _mm512_set1_ps(f32::MAX),
             most: _mm512_setzero_si512(),
@@ -258,10 +263,19 @@ impl Doubt {
         }
     }
 
+    /// Takes note, for the lanes `of`, of the least edge function and of the doubled area.
+    #[inline]
+    #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+    fn consider(&mut self, of: __mmask16, least: __m512, det: __m512) {
+        self.least = _mm512_mask_range_ps::<LEAST>(self.least, of, self.least, least);
+        let size = _mm512_castps_si512(_mm512_abs_ps(det));
+        self.most = _mm512_mask_max_epu32(self.most, of, self.most, size);
+    }
+
     /// Those of the lanes `used` that are in doubt.
     #[inline]
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-    fn lanes(&self, used: __mmask16) -> __mmask16 {
+    pub(super) fn lanes(&self, used: __mmask16) -> __mmask16 {
         let most = _mm512_set1_epi32((1.0 / SURE).to_bits() as i32);
         let least = _mm512_set1_ps(SURE);
         used & (self.contact

@@ -17,6 +17,8 @@
 //! Rays are made ready sixteen at a time (`prepare.rs`). The few whose direction is so long or so
 //! short that its power of two is no ordinary f32 are traced one at a time.
 //!
+//! Camera rays go in packets of sixteen (`packet.rs`), and where triangles are few there is no tree at all (`few.rs`).
+//!
 //! Chosen at run time, by [`available`]: nothing here runs elsewhere. Every function states what it
 //! needs of the processor, so that safe code may call it from a function that states the same;
 //! `unsafe` stands where a slice becomes a vector (`simd.rs`) and where this world is entered.
@@ -28,7 +30,8 @@
 pub mod few;
 mod leaf;
 mod node;
-mod prepare;
+pub(crate) mod packet;
+pub(crate) mod prepare;
 mod queue;
 mod simd;
 mod slot;

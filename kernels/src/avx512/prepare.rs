@@ -32,18 +32,10 @@ pub(super) struct Stage {
 impl Stage {
     /// For rays through a tree that is not empty.
     pub(super) fn new(bvh: Bvh) -> Self {
-        let root = &bvh.nodes[0];
-        // Unused slots have infinite planes.
-        let sizes = root
-            .planes
-            .iter()
-            .flat_map(|row| row.to_array())
-            .map(f32::abs);
-        let extent = sizes.filter(|size| size.is_finite()).fold(0.0, f32::max);
         Self {
             rays: [[0.0; 16]; 16],
             leave: [[0.0; 16]; 3],
-            extent,
+            extent: extent(bvh),
             first: 0,
             ready: 0,
             odd: 0,
@@ -198,8 +190,9 @@ pub(super) struct Sixteen {
     pub(super) d: [__m512; 3],
     /// Their reciprocals.
     pub(super) inverse: [__m512; 3],
-    x_main: __mmask16,
-    y_main: __mmask16,
+    /// Those whose main axis is x, and those whose is y.
+    pub(super) x_main: __mmask16,
+    pub(super) y_main: __mmask16,
 }
 
 impl Sixteen {
@@ -270,11 +263,24 @@ impl Sixteen {
     }
 }
 
+/// The largest coordinate of a tree's boxes that is finite, without its sign. The tree is not empty.
+pub(crate) fn extent(bvh: Bvh) -> f32 {
+    // Unused slots have infinite planes.
+    let planes = bvh.nodes[0].planes.iter();
+    let sizes = planes.flat_map(|row| row.to_array()).map(f32::abs);
+    sizes.filter(|size| size.is_finite()).fold(0.0, f32::max)
+}
+
 /// What `node.rs` adds for planes met first and last, and the reciprocals that it takes, by axis: see
 /// there. `extent` bounds the coordinates of what the rays may meet.
 #[inline]
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-fn slack(o: [__m512; 3], d: [__m512; 3], inverse: [__m512; 3], extent: f32) -> [[__m512; 3]; 3] {
+pub(super) fn slack(
+    o: [__m512; 3],
+    d: [__m512; 3],
+    inverse: [__m512; 3],
+    extent: f32,
+) -> [[__m512; 3]; 3] {
     let mut farthest = _mm512_set1_ps(extent);
     for o in o {
         farthest = _mm512_max_ps(_mm512_abs_ps(o), farthest);

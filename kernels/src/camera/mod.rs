@@ -19,6 +19,7 @@ pub use panorama::Panorama;
 pub use perspective::Perspective;
 pub use thin_lens::ThinLens;
 
+use crate::bare::COMPLETE;
 use crate::cost::{Cost, item};
 use crate::filter;
 use crate::lanes::{Fx, LANES, Ux, iota, padded, store, store_u32, to_f32};
@@ -91,6 +92,7 @@ pub fn camera_rays<S: Sampler>(
 ) {
     match lens.camera {
         Camera::Perspective(c) => fill(c, lens, window, slots, sampler, paths, at),
+        _ if !COMPLETE => unreachable!("a pinhole is all there is"),
         Camera::ThinLens(c) => fill(c, lens, window, slots, sampler, paths, at),
         Camera::Orthographic(c) => fill(c, lens, window, slots, sampler, paths, at),
         Camera::Panorama(c) => fill(c, lens, window, slots, sampler, paths, at),

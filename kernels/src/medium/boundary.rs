@@ -1,6 +1,6 @@
 //! What media do to occlusion rays, and where paths go from one into another.
 
-use super::{Media, OUTSIDE, UNCHANGED};
+use super::{Media, UNCHANGED};
 use crate::lanes::{
     Fx, LANES, Mask, Ux, as_bits, as_mask, first, gather_u32, load, load_u32, padded, store_u32,
 };
@@ -13,7 +13,7 @@ use std::ops::Range;
 fn behind(media: &Media, near: Ux, front: Mask, material: Ux) -> Ux {
     let inside = gather_u32(media.interior, material);
     let stays = inside.simd_eq(Ux::splat(UNCHANGED));
-    let other = as_bits(front).select(inside, Ux::splat(OUTSIDE));
+    let other = as_bits(front).select(inside, gather_u32(media.exterior, material));
     stays.select(near, other)
 }
 

@@ -6,8 +6,9 @@
 //!
 //! **Where a path is.** Each path carries the number of the medium that its ray runs through, a row of
 //! [`Media`]: [`OUTSIDE`], which may be bounded by a box, [`CLEAR`], or a medium inside of glass. It is
-//! changed where a path passes through a surface, and nowhere else ([`cross`]): the front of glass is
-//! outside, and outside of all glass is `OUTSIDE`. Media do not overlap.
+//! changed where a path passes through a surface, and nowhere else ([`cross`]): each surface of
+//! glass says what is behind its front and before it, which is `OUTSIDE` unless it lies in other glass.
+//! Media do not overlap.
 //!
 //! * [`travel`]: how far a ray goes before it is scattered, if it is.
 //! * [`attenuate`]: what occlusion rays lose.
@@ -50,6 +51,8 @@ pub struct Media<'a> {
     pub bounds: [[f32; 3]; 2],
     /// By material: the row of what lies behind its surfaces, or [`UNCHANGED`].
     pub interior: &'a [u32],
+    /// By material: the row of what lies before its surfaces.
+    pub exterior: &'a [u32],
 }
 
 /// The part of a ray that runs through its medium.

@@ -1,6 +1,7 @@
 //! Eight rays that go the same way: what makes them a packet, and their walk through the tree.
 
-use super::hull::{ALL, Hull, greatest, least};
+use super::SPREAD;
+use super::hull::{ALL, Hull, ends, greatest};
 use super::pace::UseOfLanes;
 use crate::bvh::{Block, Bvh, LEAF, NOTHING, Node, WIDTH, index};
 use crate::lanes::{Fx, LANES, Mask, Ux, as_bits, as_mask, iota, load, load_u32, store, store_u32};
@@ -11,11 +12,8 @@ use crate::slabs::PAD;
 use crate::triangle::{Candidates, View};
 use crate::visits;
 
-/// The most that two slopes of a packet may differ by, along either axis. Rays farther apart share
-/// too little of their way; an image 1000 pixels wide has some 0.001 to 0.002 a pixel.
-const SPREAD: f32 = 0.125;
 /// Eight rays that go the same way, in the units of [`crate::query::Prepared`].
-pub(super) struct Packet {
+struct Packet {
     origin: [Fx; 3],
     inverse: [Fx; 3],
     /// First, second, main.
@@ -28,17 +26,33 @@ pub(super) struct Packet {
 }
 
 /// The closest hits so far, a ray a lane.
-pub(super) struct Found {
+struct Found {
     t: Fx,
     u: Fx,
     v: Fx,
     primitive: Ux,
 }
 
+/// Writes the closest hits of the rays `i .. i + LANES` if they make a packet, and says how many rays
+/// entered its leaves; else does nothing.
+#[inline(always)]
+pub(super) fn closest(
+    bvh: Bvh,
+    rays: &Rays,
+    hits: &mut Hits,
+    i: usize,
+    stack: &mut Stack,
+) -> Option<UseOfLanes> {
+    let packet = Packet::load(rays, i)?;
+    let (found, lanes) = packet.walk(bvh, stack);
+    found.store(&packet, hits, i);
+    Some(lanes)
+}
+
 impl Packet {
     /// Rays `i .. i + LANES`, if they make a packet.
     #[inline(always)]
-    pub(super) fn load(rays: &Rays, i: usize) -> Option<Self> {
+    fn load(rays: &Rays, i: usize) -> Option<Self> {
         let origin = rays.origin.map(|column| load(column, i));
         let direction = rays.direction.map(|column| load(column, i));
         let signs = direction.map(|d| d.to_bitmask());
@@ -70,7 +84,10 @@ impl Packet {
         };
         let axes = [(main + 1) % 3, (main + 2) % 3, main];
         let slope = [0, 1].map(|k| direction[axes[k]] / direction[main]);
-        let apart = slope.map(|s| greatest(s) - least(s));
+        let apart = slope.map(|s| {
+            let [low, high] = ends(s);
+            high - low
+        });
         // Asked this way round, a NaN makes no packet.
         let together = apart.iter().all(|&a| a <= SPREAD);
         if !together || usable.to_bitmask() != ALL {
@@ -83,11 +100,11 @@ impl Packet {
             slope,
             leaves: load_u32(rays.leaves, i),
             scale,
-            hull: Hull::new(signs, origin, inverse),
+            hull: Hull::new(signs.map(|s| s != 0), origin.map(ends), inverse.map(ends)),
         })
     }
 
-    pub(super) fn walk(&self, bvh: Bvh, stack: &mut Stack) -> (Found, UseOfLanes) {
+    fn walk(&self, bvh: Bvh, stack: &mut Stack) -> (Found, UseOfLanes) {
         let mut found = Found {
             t: Fx::splat(f32::MAX),
             u: Fx::ZERO,
@@ -207,7 +224,7 @@ impl Found {
     }
 
     #[inline(always)]
-    pub(super) fn store(&self, packet: &Packet, hits: &mut Hits, i: usize) {
+    fn store(&self, packet: &Packet, hits: &mut Hits, i: usize) {
         // What f32 cannot hold becomes the nearest it can.
         let t = self.t * packet.scale;
         let t = t
@@ -223,47 +240,10 @@ impl Found {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::LANES;
-
-    /// Whether eight rays along `direction(lane)` from one point make a packet.
-    fn together(direction: impl Fn(usize) -> [f32; 3]) -> bool {
-        let column = |axis: usize| -> [f32; LANES] { std::array::from_fn(|l| direction(l)[axis]) };
-        let columns = [column(0), column(1), column(2)];
-        let (zeros, leaves) = ([0.0; LANES], [NO_PRIMITIVE; LANES]);
-        let rays = Rays {
-            len: LANES,
-            origin: [&zeros; 3],
-            direction: columns.each_ref().map(<[f32; LANES]>::as_slice),
-            leaves: &leaves,
-        };
-        Packet::load(&rays, 0).is_some()
-    }
+    use crate::packet::tests::assert_what_makes_a_packet;
 
     #[test]
-    fn rays_that_go_the_same_way_make_a_packet() {
-        let x = |lane: usize| 0.1 + 0.01 * lane as f32;
-        assert!(together(|l| [x(l), -0.5, 1.0]));
-        assert!(together(|l| [-1e30, 1e29 * x(l), 3e29]));
-        assert!(together(|l| [1e-30, 1e-31 * x(l), -2e-31]));
-    }
-
-    #[test]
-    fn others_do_not() {
-        let odd = |l: usize, usual: [f32; 3], other: [f32; 3]| if l == 5 { other } else { usual };
-        for other in [
-            [0.1, 0.2, -1.0],
-            [-0.1, 0.2, 1.0],
-            [1.0, 0.2, 0.9],
-            [0.5, 0.2, 1.0],
-            [0.0, 0.2, 1.0],
-            [1e-39, 0.2, 1.0],
-            [f32::NAN, 0.2, 1.0],
-            [0.1, f32::INFINITY, 1.0],
-            [0.0; 3],
-        ] {
-            assert!(!together(|l| odd(l, [0.1, 0.2, 1.0], other)), "{other:?}");
-        }
-        assert!(!together(|_| [0.0; 3]));
-        assert!(!together(|_| [1e-40, 1e-41, 1e-41]));
+    fn rays_that_go_the_same_way_make_a_packet_and_others_do_not() {
+        assert_what_makes_a_packet::<LANES>(|rays| Packet::load(rays, 0).is_some());
     }
 }

@@ -5,9 +5,9 @@ use crate::lanes::{Fx, LANES, Mask, Ux, as_bits};
 use crate::slabs::PAD;
 
 /// An interval that holds all rays of a packet, and the planes they meet.
-pub(super) struct Hull {
+pub(crate) struct Hull {
     /// The plane of a node that is met first, by axis; the other is met last.
-    pub(super) near: [usize; 3],
+    pub(crate) near: [usize; 3],
     /// The origins' end that makes the distance to near planes least, and that which makes the
     /// distance to far planes most.
     origin: [[f32; 2]; 3],
@@ -16,27 +16,28 @@ pub(super) struct Hull {
 }
 
 impl Hull {
+    /// By axis, whether the rays go downwards, the least and the greatest coordinate of their origins, and
+    /// the same of their reciprocal directions.
     #[inline(always)]
-    pub(super) fn new(signs: [u32; 3], origin: [Fx; 3], inverse: [Fx; 3]) -> Self {
-        let ends = |x: Fx| [least(x), greatest(x)];
+    pub(crate) fn new(negative: [bool; 3], origin: [[f32; 2]; 3], inverse: [[f32; 2]; 3]) -> Self {
         Self {
-            near: std::array::from_fn(|axis| 2 * axis + usize::from(signs[axis] != 0)),
-            origin: std::array::from_fn(|axis| {
-                let [low, high] = ends(origin[axis]);
+            near: [0, 1, 2].map(|axis| 2 * axis + usize::from(negative[axis])),
+            origin: [0, 1, 2].map(|axis| {
+                let [low, high] = origin[axis];
                 // Upwards, planes are nearest from the highest origin; downwards from the lowest.
-                if signs[axis] == 0 {
-                    [high, low]
-                } else {
+                if negative[axis] {
                     [low, high]
+                } else {
+                    [high, low]
                 }
             }),
-            inverse: inverse.map(ends),
+            inverse,
         }
     }
 
     /// Which boxes any of the rays may enter at `0 ..= limit`, and where at the earliest.
     #[inline(always)]
-    pub(super) fn test(&self, node: &Node, limit: f32) -> (Mask, Fx) {
+    pub(crate) fn test(&self, node: &Node, limit: f32) -> (Mask, Fx) {
         let near = |axis: usize| {
             let plane = node.planes[self.near[axis] % 6] - Fx::splat(self.origin[axis][0]);
             let [a, b] = self.inverse[axis].map(|i| plane * Fx::splat(i));
@@ -57,10 +58,10 @@ impl Hull {
 /// The bits of a mask that is true everywhere.
 pub(super) const ALL: u32 = (1 << LANES) - 1;
 
-/// The least lane.
+/// The least and the greatest lane.
 #[inline(always)]
-pub(super) fn least(x: Fx) -> f32 {
-    fold(x, Fx::fast_min)
+pub(super) fn ends(x: Fx) -> [f32; 2] {
+    [fold(x, Fx::fast_min), greatest(x)]
 }
 
 /// The greatest lane.

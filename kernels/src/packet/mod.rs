@@ -1,11 +1,12 @@
-//! Eight rays at once through the tree, where they go the same way: camera rays.
+//! Eight rays at once through the tree, or sixteen with AVX-512 (`avx512/packet.rs`), where they go
+//! the same way: camera rays.
 //!
-//! Neighbouring camera rays meet the same nodes. So eight of them walk together, a lane each, and
+//! Neighbouring camera rays meet the same nodes. So they walk together, a lane each, and
 //! share what a step costs: a node's eight boxes are tested once against an interval that holds all
-//! eight rays, its children are sorted once, its cache lines come from memory once. A leaf's box is
-//! then tested by each ray for itself, eight at a time, and so are its triangles, as in `few.rs`.
+//! rays, its children are sorted once, its cache lines come from memory once. A leaf's box is
+//! then tested by each ray for itself, all at a time, and so are its triangles, as in `few.rs`.
 //!
-//! **Which rays.** Eight neighbours of the view make a packet if they agree on the main axis and on
+//! **Which rays.** Neighbours of the view make a packet if they agree on the main axis and on
 //! the signs of all components, no component's reciprocal overflows, and their slopes lie within
 //! `SPREAD`. Rays scattered by a surface hardly ever do, and asking costs little; so nobody needs
 //! to say which rays are camera rays. What makes no packet is left to `many.rs`.
@@ -30,10 +31,14 @@ use crate::lanes::LANES;
 use crate::order::Stack;
 use crate::rays::{Hits, Rays};
 use crate::{many, traverse};
-use eight::Packet;
+pub(crate) use hull::Hull;
 use pace::Pace;
+pub(crate) use pace::UseOfLanes;
 use std::ops::Range;
 
+/// The most that two slopes of a packet may differ by, along either axis. Rays farther apart share
+/// too little of their way; an image 1000 pixels wide has some 0.001 to 0.002 a pixel.
+pub(crate) const SPREAD: f32 = 0.125;
 /// As many rays or more outside packets, in a row, are taken in flight; fewer one at a time.
 const FLIGHT: usize = 32;
 /// Most nodes of a tree whose children's places a `u32` can number.
@@ -43,29 +48,57 @@ const MAX_NODES: usize = NOTHING as usize / WIDTH;
 ///
 /// # Panics
 /// If a column is shorter than `rays.len`.
-pub fn closest(bvh: Bvh, rays: Rays, mut hits: Hits) {
+pub fn closest(bvh: Bvh, rays: Rays, hits: Hits) {
+    #[cfg(target_arch = "x86_64")]
+    if crate::avx512::available() && can_walk(bvh) {
+        use crate::avx512::{packet, prepare};
+        let (extent, mut stack) = (prepare::extent(bvh), Stack::default());
+        let mut hits = hits;
+        return walk::<{ packet::RAYS }>(bvh, &rays, &mut hits, |hits, i| {
+            packet::closest(bvh, &rays, hits, i, extent, &mut stack)
+        });
+    }
+    closest_by_eights(bvh, rays, hits);
+}
+
+/// [`closest`] as it is where there is no AVX-512.
+///
+/// # Panics
+/// If a column is shorter than `rays.len`.
+pub fn closest_by_eights(bvh: Bvh, rays: Rays, mut hits: Hits) {
+    if !can_walk(bvh) {
+        return apart(bvh, &rays, &mut hits, 0..rays.len);
+    }
     let mut stack = Stack::default();
+    walk::<LANES>(bvh, &rays, &mut hits, |hits, i| {
+        eight::closest(bvh, &rays, hits, i, &mut stack)
+    });
+}
+
+fn can_walk(bvh: Bvh) -> bool {
+    (1..=MAX_NODES).contains(&bvh.nodes.len())
+}
+
+/// `RAYS` at a time, as `packet` does those from a place on if they make a packet, and the others one
+/// by one or in flight.
+fn walk<const RAYS: usize>(
+    bvh: Bvh,
+    rays: &Rays,
+    hits: &mut Hits,
+    mut packet: impl FnMut(&mut Hits, usize) -> Option<UseOfLanes>,
+) {
     let mut answered = 0;
-    let walkable = !bvh.nodes.is_empty() && bvh.nodes.len() <= MAX_NODES;
-    let whole = if walkable {
-        rays.len / LANES * LANES
-    } else {
-        0
-    };
     let mut pace = Pace::default();
-    for i in (0..whole).step_by(LANES) {
-        if !pace.try_packet() {
-            continue;
-        }
-        if let Some(packet) = Packet::load(&rays, i) {
-            apart(bvh, &rays, &mut hits, answered..i);
-            let (found, lanes) = packet.walk(bvh, &mut stack);
-            found.store(&packet, &mut hits, i);
+    for i in (0..rays.len / RAYS * RAYS).step_by(RAYS) {
+        if pace.try_packet()
+            && let Some(lanes) = packet(hits, i)
+        {
+            apart(bvh, rays, hits, answered..i);
             pace.learn(lanes);
-            answered = i + LANES;
+            answered = i + RAYS;
         }
     }
-    apart(bvh, &rays, &mut hits, answered..rays.len);
+    apart(bvh, rays, hits, answered..rays.len);
 }
 
 /// Rays that make no packet.
@@ -79,5 +112,48 @@ fn apart(bvh: Bvh, rays: &Rays, hits: &mut Hits, range: Range<usize>) {
         traverse::closest(bvh, rays, hits);
     } else {
         many::closest(bvh, rays, hits);
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use crate::rays::{NO_PRIMITIVE, Rays};
+
+    /// `load` says whether `N` rays make a packet.
+    pub(crate) fn assert_what_makes_a_packet<const N: usize>(load: impl Fn(&Rays) -> bool) {
+        // Rays from one point.
+        let together = |directions: [[f32; 3]; N]| {
+            let columns = [0, 1, 2].map(|axis| directions.map(|d| d[axis]));
+            let (zeros, leaves) = ([0.0; N], [NO_PRIMITIVE; N]);
+            load(&Rays {
+                len: N,
+                origin: [&zeros; 3],
+                direction: columns.each_ref().map(<[f32; N]>::as_slice),
+                leaves: &leaves,
+            })
+        };
+        let all = |direction: fn(f32) -> [f32; 3]| {
+            std::array::from_fn(|lane| direction(0.1 + 0.005 * lane as f32))
+        };
+        assert!(together(all(|x| [x, -0.5, 1.0])));
+        assert!(together(all(|x| [-1e30, 1e29 * x, 3e29])));
+        assert!(together(all(|x| [1e-30, 1e-31 * x, -2e-31])));
+        for other in [
+            [0.1, 0.2, -1.0],
+            [-0.1, 0.2, 1.0],
+            [1.0, 0.2, 0.9],
+            [0.5, 0.2, 1.0],
+            [0.0, 0.2, 1.0],
+            [1e-39, 0.2, 1.0],
+            [f32::NAN, 0.2, 1.0],
+            [0.1, f32::INFINITY, 1.0],
+            [0.0; 3],
+        ] {
+            let mut directions = [[0.1, 0.2, 1.0]; N];
+            directions[N - 3] = other;
+            assert!(!together(directions), "{other:?}");
+        }
+        assert!(!together([[0.0; 3]; N]));
+        assert!(!together([[1e-40, 1e-41, 1e-41]; N]));
     }
 }

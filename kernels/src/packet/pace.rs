@@ -46,7 +46,7 @@ impl Pace {
 
 /// Leaves that a packet came to, and rays that entered them.
 #[derive(Clone, Copy, Default)]
-pub(super) struct UseOfLanes {
-    pub(super) leaves: u32,
-    pub(super) inside: u32,
+pub(crate) struct UseOfLanes {
+    pub(crate) leaves: u32,
+    pub(crate) inside: u32,
 }

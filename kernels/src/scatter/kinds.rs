@@ -5,8 +5,8 @@
 //! | [`Diffuse`] | 0-2 reflectance |
 //! | [`RoughDiffuse`] | 0-2 reflectance, 3 roughness |
 //! | [`SmoothConductor`], [`RoughConductor`] | 0-2 eta, 3-5 k, 6-8 tint, 9 roughness, 10 anisotropy, 11-13 mean reflectance |
-//! | [`SmoothDielectric`], [`RoughDielectric`] | 0 index of refraction, 1 thin, 2-4 tint of reflection, 5-7 of transmission, 8 roughness, 9 compensated; where they disperse, 0 is Cauchy's `a` and 19 `b`, nm^2 |
-//! | [`Principled`] | 0-2 base colour, 3 metallic, 4 roughness, 5 index of refraction, 6 specular, 7-9 its colour, 10 transmission, 11 thin, 12 coat, 13 its roughness, 14-16 sheen, 17 its roughness, 18 compensated |
+//! | [`SmoothDielectric`], [`RoughDielectric`] | 0 index of refraction, 1 thin, 2-4 tint of reflection, 5-7 of transmission, 8 roughness, 9 compensated; where they disperse, 0 is Cauchy's `a`, 19 `b`, nm^2, and 20 `c`, nm^4 |
+//! | [`Principled`] | 0-2 base colour, 3 metallic, 4 roughness, 5 index of refraction, 6 specular, 7-9 its colour, 10 transmission, 11 thin, 12 coat, 13 its roughness, 14-16 sheen, 17 its roughness, 18 compensated; where it disperses, 5, 19 and 20 as of glass |
 //!
 //! Compensated surfaces make up for what single scattering loses; a metal does not where its mean
 //! reflectance is 0. A roughness is perceptual, as in glTF: the distribution's width alpha is its square, and at least
@@ -21,8 +21,8 @@ use crate::lanes::{Fx, Mask};
 use crate::tables::{Parameters, SLOTS};
 use crate::vec3::Vec3x;
 
-/// The slot of Cauchy's `b`: the last one, behind whatever else glass has.
-pub const CAUCHY_B: usize = SLOTS - 1;
+/// The slot of Cauchy's `b`, with that of `c` behind it: the last ones, behind whatever else glass has.
+pub const CAUCHY_B: usize = SLOTS - 2;
 
 /// Lambertian reflection that is not plain: its surface is interpolated or textured.
 #[derive(Clone, Copy, Debug)]
@@ -42,9 +42,10 @@ pub struct SmoothDielectric<const DISPERSIVE: bool>;
 /// Frosted glass; `DISPERSIVE` if its index depends on the wavelength.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughDielectric<const DISPERSIVE: bool>;
-/// The metallic-roughness model; `GLASS` if some of its materials let light pass.
+/// The metallic-roughness model; `GLASS` if some of its materials let light pass, `DISPERSIVE` if their
+/// index depends on the wavelength.
 #[derive(Clone, Copy, Debug)]
-pub struct Principled<const GLASS: bool>;
+pub struct Principled<const GLASS: bool, const DISPERSIVE: bool>;
 
 /// A BSDF times a colour.
 #[derive(Clone, Copy, Debug)]
@@ -134,6 +135,7 @@ impl Kind for SmoothConductor {
 impl Kind for RoughConductor {
     type Bsdf = Tinted<bsdf::RoughConductor<'static>>;
     const DELTA: bool = false;
+    const ALIGNED: bool = true;
     #[inline(always)]
     fn load(parameters: Parameters, _front: Mask) -> Self::Bsdf {
         let roughness = parameters.number(9);
@@ -155,14 +157,24 @@ impl Kind for RoughConductor {
     }
 }
 
+/// The index of refraction, of which slot `at` has Cauchy's `a` where it depends on the wavelength.
 #[inline(always)]
-fn glass<const DISPERSIVE: bool>(parameters: Parameters, front: Mask) -> bsdf::SmoothDielectric {
-    let (ior, thin) = (parameters.number(0), flag(parameters.number(1)));
-    let ior = if DISPERSIVE {
-        index_at(ior, parameters.number(CAUCHY_B), parameters.wavelength)
+fn index<const DISPERSIVE: bool>(parameters: Parameters, at: usize) -> Fx {
+    let ior = parameters.number(at);
+    if DISPERSIVE {
+        let [b, c] = [CAUCHY_B, CAUCHY_B + 1].map(|slot| parameters.number(slot));
+        index_at([ior, b, c], parameters.wavelength)
     } else {
         ior
-    };
+    }
+}
+
+#[inline(always)]
+fn glass<const DISPERSIVE: bool>(parameters: Parameters, front: Mask) -> bsdf::SmoothDielectric {
+    let (ior, thin) = (
+        index::<DISPERSIVE>(parameters, 0),
+        flag(parameters.number(1)),
+    );
     bsdf::SmoothDielectric {
         eta: relative_index(ior, front | thin),
         thin,
@@ -198,10 +210,11 @@ impl<const DISPERSIVE: bool> Kind for RoughDielectric<DISPERSIVE> {
     }
 }
 
-impl<const GLASS: bool> Kind for Principled<GLASS> {
+impl<const GLASS: bool, const DISPERSIVE: bool> Kind for Principled<GLASS, DISPERSIVE> {
     type Bsdf = bsdf::Principled;
     const DELTA: bool = false;
     const PASSES: bool = GLASS;
+    const DISPERSES: bool = DISPERSIVE;
     #[inline(always)]
     fn load(parameters: Parameters, front: Mask) -> Self::Bsdf {
         let thin = flag(parameters.number(11));
@@ -216,7 +229,7 @@ impl<const GLASS: bool> Kind for Principled<GLASS> {
             base: parameters.colour(0),
             metallic: parameters.number(3),
             alpha: alpha(parameters.number(4)),
-            eta: relative_index(parameters.number(5), outside),
+            eta: relative_index(index::<DISPERSIVE>(parameters, 5), outside),
             specular: parameters.number(6),
             specular_color: parameters.colour(7),
             transmission: if GLASS {

@@ -2,13 +2,14 @@
 //!
 //! * [`plain`]: Lambertian surfaces without textures or interpolated normals, in one pass from hit
 //!   to scattered path. Scenes that hold nothing else run nothing else.
-//! * [`interact`], [`texture`], [`light_up`], [`respond`]: all others, in passes with queues in
-//!   between: what the surface is, what images say of it, one sample of its light, and what its BSDF
+//! * [`interact`], [`texture`], [`align`], [`light_up`], [`respond`]: all others, in passes with queues
+//!   in between: what the surface is, what images say of it, which way it is brushed, one sample of its light, and what its BSDF
 //!   makes of all that, one kernel a kind of BSDF.
 //! * [`disperse`]: what a path becomes before it meets a dispersive surface.
 //! * [`medium`]: scattering in a medium, without a surface.
 //! * [`ambient`]: ambient occlusion.
 
+pub mod align;
 pub mod ambient;
 pub mod disperse;
 pub mod interact;

@@ -11,6 +11,7 @@
 //!
 //! Bytes: [`PATH`] a row, [`SHADOW`] an occlusion ray.
 
+use super::align::Turn;
 use super::{Cast, NextEvent, Out, Scattered};
 use crate::bsdf::Bsdf;
 use crate::cost::{Cost, columns, item};
@@ -19,8 +20,8 @@ use crate::interpolate::terminator;
 use crate::lanes::{Fx, LANES, Mask, as_mask, first, gather, load, load_u32, padded};
 use crate::mis::power_heuristic;
 use crate::queues::{
-    BOTH_SIDES, Drawn, DrawnMut, Listed, Lit, LitMut, PathsMut, ShadowsMut, Smooth, Surfaces,
-    SurfacesMut,
+    Aligned, BOTH_SIDES, Drawn, DrawnMut, Listed, Lit, LitMut, PathsMut, ShadowsMut, Smooth,
+    Surfaces, SurfacesMut,
 };
 use crate::tables::{Materials, Parameters};
 use crate::vec3::Vec3x;
@@ -49,6 +50,8 @@ pub trait Kind {
     const PASSES: bool = false;
     /// Whether its parameters depend on the wavelength.
     const DISPERSES: bool = false;
+    /// Whether it matters which way its surface lies (`align`).
+    const ALIGNED: bool = false;
     /// Fetches the parameters, for surfaces seen from their front or their back.
     fn load(parameters: Parameters, front: Mask) -> Self::Bsdf;
 }
@@ -66,6 +69,8 @@ pub struct Rows<'a, 'b> {
     pub lit: Lit<'b>,
     /// Where normals are interpolated.
     pub smooth: Option<Smooth<'b>>,
+    /// Where surfaces are brushed along their texture coordinates; read by kinds that are.
+    pub aligned: Option<Aligned<'b>>,
     /// Wavelengths, place by place of the paths; read by kinds that disperse.
     pub wavelengths: &'a [f32],
 }
@@ -78,6 +83,7 @@ pub fn respond<K: Kind, N: NextEvent>(rows: Rows, materials: &Materials, out: &m
         drawn,
         lit,
         smooth,
+        aligned,
         wavelengths,
     } = rows;
     let n = listed.len;
@@ -110,11 +116,21 @@ pub fn respond<K: Kind, N: NextEvent>(rows: Rows, materials: &Materials, out: &m
             }
             _ => value,
         };
+        let turn = match &aligned {
+            Some(aligned) if K::ALIGNED => Some(Turn::load(aligned, i)),
+            _ => None,
+        };
+        let to_local = |world: Vec3x| {
+            let local = frame.to_local(world);
+            turn.map_or(local, |turn| turn.into_turned(local))
+        };
         let omega_o = Vec3x::load(surfaces.omega_o, i);
+        let omega_o = turn.map_or(omega_o, |turn| turn.into_turned(omega_o));
 
         let [u, v, choice] = drawn.direction.map(|column| load(column, i));
         let sampled = bsdf.sample(omega_o, [u, v, choice]);
-        let next = frame.to_world(sampled.direction);
+        let local = sampled.direction;
+        let next = frame.to_world(turn.map_or(local, |turn| turn.out_of(local)));
         let side = normal.dot(next);
         let carried = sampled
             .weight
@@ -134,7 +150,7 @@ pub fn respond<K: Kind, N: NextEvent>(rows: Rows, materials: &Materials, out: &m
 
         if N::LIGHTS && !K::DELTA {
             let direction = Vec3x::load(lit.direction, i);
-            let omega_i = frame.to_local(direction);
+            let omega_i = to_local(direction);
             let response = bsdf.evaluate(omega_o, omega_i);
             let weight = if N::WEIGHTED {
                 power_heuristic(load(lit.pdf, i), response.pdf)

@@ -40,6 +40,9 @@ pub(super) struct SceneReport {
     pub(super) triangles: usize,
     pub(super) build_seconds: f64,
     pub(super) build_cpu_seconds: f64,
+    /// Bytes at most while it was made and first rendered, beyond what was resident before.
+    #[serde(default)]
+    pub(super) peak_memory: Option<u64>,
     pub(super) runs: Vec<Run>,
 }
 
@@ -60,11 +63,12 @@ impl Report {
         }
     }
 
-    /// Adds up what is known once all runs are there.
+    /// Adds up what is known once all runs are there. `peak_memory` may know of more than the system now
+    /// does, since scenes let its peak begin anew.
     pub(super) fn finish(&mut self) {
         let logs = self.scenes.iter().map(|s| (s.rate() * 1e-6).ln());
         self.score = (logs.sum::<f64>() / self.scenes.len().max(1) as f64).exp();
-        self.peak_memory = peak_memory();
+        self.peak_memory = self.peak_memory.max(peak_memory());
         self.runs = self.scenes.first().map_or(0, |s| s.runs.len() as u32);
     }
 
@@ -112,6 +116,7 @@ impl SceneReport {
             triangles: prepared.triangles(),
             build_seconds: prepared.build_seconds,
             build_cpu_seconds: prepared.build_cpu_seconds,
+            peak_memory: prepared.peak_memory(),
             runs: Vec::new(),
         }
     }
@@ -130,6 +135,12 @@ impl SceneReport {
     /// Samples a processor second, median over the runs.
     pub(super) fn rate(&self) -> f64 {
         self.median(|r| r.samples as f64 / r.cpu_seconds)
+    }
+
+    /// Share of the run that its workers had something to do, median over the runs: what is missing went
+    /// to setting up and to waiting for the last job.
+    pub(super) fn at_work(&self) -> f64 {
+        self.median(|r| r.worker_seconds / (r.workers.max(1) as f64 * r.seconds))
     }
 
     /// Least and greatest over the median, of the same.

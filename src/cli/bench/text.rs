@@ -15,7 +15,7 @@ impl Report {
         );
         let _ = writeln!(
             text,
-            "{:<10} {:>11} {:>13} {:>11} {:>11} {:>11} {:>11} {:>11} {:>10}",
+            "{:<10} {:>11} {:>13} {:>11} {:>11} {:>11} {:>11} {:>11} {:>10} {:>8}",
             "scene",
             "samples",
             "range",
@@ -24,14 +24,15 @@ impl Report {
             "bounce",
             "shadow",
             "rays",
-            "build tris"
+            "build tris",
+            "memory"
         );
         for s in &self.scenes {
             let rate = |of: fn(&Run) -> u64| si(s.median(|r| of(r) as f64 / r.cpu_seconds));
             let [lo, hi] = s.spread();
             let _ = writeln!(
                 text,
-                "{:<10} {:>11} {:>13} {:>11} {:>11} {:>11} {:>11} {:>11} {:>10}",
+                "{:<10} {:>11} {:>13} {:>11} {:>11} {:>11} {:>11} {:>11} {:>10} {:>8}",
                 s.name,
                 si(s.rate()),
                 format!("{:+.1} {:+.1}%", 100.0 * (lo - 1.0), 100.0 * (hi - 1.0)),
@@ -40,7 +41,8 @@ impl Report {
                 rate(|r| r.bounce_rays),
                 rate(|r| r.shadow_rays),
                 rate(|r| r.camera_rays + r.bounce_rays + r.shadow_rays),
-                si(s.triangles as f64 / s.build_cpu_seconds)
+                si(s.triangles as f64 / s.build_cpu_seconds),
+                s.peak_memory.map_or_else(|| "-".to_owned(), bytes)
             );
         }
         text.push_str("\nprocessor ns an item by stage\n");
@@ -92,6 +94,28 @@ pub(super) fn sweep(reports: &[Report]) -> String {
                     rate(&r.scenes[i]) * 1e-6,
                     speedup,
                     100.0 * speedup / workers
+                )
+            );
+        }
+        text.push('\n');
+    }
+    text.push_str(
+        "\nthe same without what others take: the workers' share of the time, by processor time a \
+         sample against the first\n",
+    );
+    for (i, scene) in reports[0].scenes.iter().enumerate() {
+        let _ = write!(text, "{:<10}", scene.name);
+        for r in reports {
+            let (at_work, rate) = (r.scenes[i].at_work(), r.scenes[i].rate());
+            let alone = at_work / scene.at_work() * rate / scene.rate();
+            let _ = write!(
+                text,
+                " {:>20}",
+                format!(
+                    "{:.1}% / {:.3} = {:.1}%",
+                    100.0 * at_work,
+                    scene.rate() / rate,
+                    100.0 * alone
                 )
             );
         }

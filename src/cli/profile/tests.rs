@@ -55,7 +55,7 @@ fn profile() -> Profile {
 fn the_report_shows_what_there_is_and_says_what_there_is_not() {
     let text = profile().text();
     assert!(
-        text.contains("intersect        100.0% 1250000.00"),
+        text.contains("intersect            100.0% 1250000.00"),
         "{text}"
     );
     assert!(

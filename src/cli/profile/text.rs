@@ -45,7 +45,7 @@ impl Profile {
     fn kernels(&self, out: &mut String) {
         let _ = writeln!(
             out,
-            "{:<16} {:>6} {:>9} {:>11} {:>6} {:>8} {:>7} {:>7} {:>7} {:>7}",
+            "{:<20} {:>6} {:>9} {:>11} {:>6} {:>8} {:>7} {:>7} {:>7} {:>7}",
             "kernel",
             "share",
             "ns/item",
@@ -61,7 +61,7 @@ impl Profile {
         for r in &self.kernels {
             let _ = writeln!(
                 out,
-                "{:<16} {:>5.1}% {:>9.2} {:>11} {:>5.1}% {:>8.1} {:>7.2} {:>7} {:>7} {:>7}",
+                "{:<20} {:>5.1}% {:>9.2} {:>11} {:>5.1}% {:>8.1} {:>7.2} {:>7} {:>7} {:>7}",
                 r.name,
                 100.0 * r.share,
                 r.nanoseconds,
@@ -95,7 +95,7 @@ impl Profile {
                 .iter()
                 .filter(|(_, why)| why.is_none())
                 .collect();
-            let _ = write!(out, "\n{:<16}", "an item");
+            let _ = write!(out, "\n{:<20}", "an item");
             for (name, _) in &names {
                 let _ = write!(out, " {name:>17}");
             }
@@ -104,7 +104,7 @@ impl Profile {
                 .all(|n| self.counters[n].is_none());
             let _ = writeln!(out, "{}", if ipc { "    IPC" } else { "" });
             for r in &self.kernels {
-                let _ = write!(out, "{:<16}", r.name);
+                let _ = write!(out, "{:<20}", r.name);
                 for (name, _) in &names {
                     let count = r.counted.get(*name).copied().unwrap_or_default();
                     let _ = write!(out, " {count:>17.4}");

@@ -2,7 +2,7 @@
 
 use super::{Layout, Part, What};
 use crate::geometry::collapse::{Collapse, NODE_COST};
-use crate::geometry::pages;
+use crate::geometry::pages::Table;
 use crate::scene::Mesh;
 use huygens_kernels::bvh::{BLOCK, Block, LEAF, MAX_DEPTH, Node, index, leaf};
 use rayon::prelude::*;
@@ -87,8 +87,8 @@ pub(super) fn write(
     let nodes = parts().map(|p| p.nodes.len() - 1).sum::<usize>() + top.nodes.len();
     let blocks = parts().map(|p| p.blocks).sum::<usize>() + top.blocks;
     let mut out = Layout {
-        nodes: pages::zeroed(nodes),
-        blocks: pages::zeroed(blocks),
+        nodes: Table::zeroed(nodes),
+        blocks: Table::zeroed(blocks),
         depth: parts().map(|p| p.depth).fold(top.depth, usize::max),
         triangles: 0,
         sah: f64::from(NODE_COST),

@@ -25,7 +25,7 @@ mod sweep;
 #[cfg(test)]
 mod tests_of_few_and_many;
 
-use super::{build::Binary, pages};
+use super::{build::Binary, pages::Table};
 use crate::scene::Mesh;
 use bounds::Bounds;
 use cells::Plan;
@@ -53,8 +53,8 @@ const FORK: usize = 1 << 12;
 /// If nothing is kept.
 pub(super) fn build(mesh: &Mesh, kept: &[u32], budget: f32) -> Binary {
     let room = kept.len() + (kept.len() as f32 * budget) as usize;
-    let mut from: Vec<Reference> = pages::zeroed(room);
-    let mut to: Vec<Reference> = pages::zeroed(room);
+    let mut from = Table::<Reference>::zeroed(room);
+    let mut to = Table::<Reference>::zeroed(room);
     let bounds = from[..kept.len()]
         .par_iter_mut()
         .zip(kept)

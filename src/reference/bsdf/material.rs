@@ -15,7 +15,7 @@ use crate::reference::vector;
 use crate::scene::material::{self, Material, Textured};
 use crate::scene::{self, Scene};
 use glam::DVec3;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Reads a material's values at a point.
 pub(in crate::reference) struct Reader<'a> {
@@ -45,11 +45,17 @@ pub(in crate::reference) struct Worn<'a> {
     material: &'a Material,
     /// Of a metal.
     loss: OnceLock<(Loss, DVec3)>,
+    layers: Arc<Layers>,
+    /// Seen from its front and its back.
+    boundary: [Ladder<Curve>; 2],
+}
+
+/// Albedos that depend on no index of refraction.
+#[derive(Debug)]
+struct Layers {
     facets: [Ladder<Curve>; 2],
     coat: [Ladder<Curve>; 2],
     sheen: Ladder<(Curve, f64)>,
-    /// Seen from its front and its back.
-    boundary: [Ladder<Curve>; 2],
 }
 
 /// The width of a roughness that does not vary.
@@ -88,10 +94,21 @@ impl<'a> Worn<'a> {
         Self {
             material,
             loss: OnceLock::new(),
-            facets: two(facets),
-            coat: two(coat),
-            sheen: Ladder::new(sheen),
+            layers: Arc::new(Layers {
+                facets: two(facets),
+                coat: two(coat),
+                sheen: Ladder::new(sheen),
+            }),
             boundary: two(facets),
+        }
+    }
+
+    /// The same of `material`, which differs from this one in its index of refraction alone: what does
+    /// not depend on that is shared.
+    pub(in crate::reference) fn at<'b>(&self, material: &'b Material) -> Worn<'b> {
+        Worn {
+            layers: Arc::clone(&self.layers),
+            ..Worn::new(material)
         }
     }
 
@@ -160,7 +177,7 @@ impl<'a> Worn<'a> {
 
     /// Albedo at cosine `z` of facets of width `alpha` that reflect everything.
     fn reflected(&self, alpha: f64, z: f64) -> f64 {
-        self.facets[0].at(alpha, reflected, |curve| curve.at(z))
+        self.layers.facets[0].at(alpha, reflected, |curve| curve.at(z))
     }
 
     fn rough(&self, polished: Glass, alpha: f64, z: f64) -> RoughGlass {
@@ -216,18 +233,20 @@ impl<'a> Worn<'a> {
             ]
         };
         let mut albedos = Albedos {
-            facets: both(&self.facets, parameters.alpha),
+            facets: both(&self.layers.facets, parameters.alpha),
             coat: [0.0; 2],
             sheen: 0.0,
             sheen_scale: 1.0,
         };
         if parameters.coat > 0.0 {
-            albedos.coat = both(&self.coat, parameters.coat_alpha);
+            albedos.coat = both(&self.layers.coat, parameters.coat_alpha);
         }
         if parameters.sheen != DVec3::ZERO {
             let roughness = parameters.sheen_roughness;
             let at = |of: fn(&(Curve, f64), f64) -> f64| {
-                self.sheen.at(roughness, sheen, |curve| of(curve, o.z))
+                self.layers
+                    .sheen
+                    .at(roughness, sheen, |curve| of(curve, o.z))
             };
             albedos.sheen = at(|(curve, scale), z| scale * curve.at(z));
             albedos.sheen_scale = at(|(_, scale), _| *scale);

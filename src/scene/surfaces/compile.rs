@@ -204,7 +204,8 @@ impl Compiler<'_, '_> {
     }
 
     fn dielectric(&mut self, m: &said::Material) -> Result<Dielectric, SceneError> {
-        let (ior, dispersion) = glass::index(self.file, m)?;
+        let (ior, dispersion) = glass::index(self.file, m, Dielectric::default().ior)?;
+        let [interior, exterior] = glass::beside(self.file, self.media, m)?;
         Ok(Dielectric {
             ior,
             roughness: self.images.roughness(&m.roughness, 0.0)?,
@@ -212,37 +213,35 @@ impl Compiler<'_, '_> {
             reflection_tint: self.images.value(&m.reflection_tint, [1.0; 3])?,
             transmission_tint: self.images.value(&m.transmission_tint, [1.0; 3])?,
             dispersion,
-            interior: glass::interior(self.file, self.media, m)?,
+            interior,
+            exterior,
         })
     }
 
     fn principled(&mut self, m: &said::Material) -> Result<Principled, SceneError> {
         let default = Principled::default();
+        let (ior, dispersion) = glass::index(self.file, m, default.ior)?;
+        let [interior, exterior] = glass::beside(self.file, self.media, m)?;
         let images = &mut *self.images;
         let principled = Principled {
             base_color: images.value(&m.base_color, default.base_color.factor)?,
             metallic: images.value(&m.metallic, 0.0)?,
             roughness: images.roughness(&m.roughness, default.roughness.factor)?,
-            ior: m.ior.as_ref().map_or(default.ior, |x| x.get_ref().0 as f32),
+            ior,
             specular: images.value(&m.specular, 1.0)?,
             specular_color: images.value(&m.specular_color, [1.0; 3])?,
             transmission: images.value(&m.transmission, 0.0)?,
             thin: m.thin.as_ref().is_some_and(|x| *x.get_ref()),
+            dispersion,
+            interior,
+            exterior,
             clearcoat: images.value(&m.clearcoat, 0.0)?,
             clearcoat_roughness: images.roughness(&m.clearcoat_roughness, 0.0)?,
             sheen_color: images.value(&m.sheen_color, [0.0; 3])?,
             sheen_roughness: images.roughness(&m.sheen_roughness, 0.0)?,
         };
-        match &m.ior {
-            Some(ior) if ior.get_ref().0 < 1.0 => {
-                let message = format!(
-                    "found {:?}, expected a number of at least 1",
-                    ior.get_ref().0
-                );
-                Err(self.file.error(ior.span(), message))
-            }
-            _ => Ok(principled),
-        }
+        glass::fits(self.file, m, &principled)?;
+        Ok(principled)
     }
 
     fn mix(&mut self, m: &said::Material) -> Result<Bsdf, SceneError> {
@@ -306,9 +305,11 @@ fn nothing_needless(file: &SceneFile, m: &said::Material, kind: Kind) -> Result<
         thin: [Dielectric, Principled],
         reflection_tint: [Dielectric],
         transmission_tint: [Dielectric],
-        abbe: [Dielectric],
-        cauchy: [Dielectric],
-        interior: [Dielectric],
+        abbe: [Dielectric, Principled],
+        cauchy: [Dielectric, Principled],
+        sellmeier: [Dielectric, Principled],
+        interior: [Dielectric, Principled],
+        exterior: [Dielectric, Principled],
         base_color: [Principled],
         metallic: [Principled],
         specular: [Principled],

@@ -33,8 +33,10 @@ pub(in crate::scene) struct Material {
     pub(super) reflection_tint: Option<Spanned<Value<OneOrThree<Unit>>>>,
     pub(super) transmission_tint: Option<Spanned<Value<OneOrThree<Unit>>>>,
     pub(super) abbe: Option<Spanned<Positive>>,
-    pub(super) cauchy: Option<Spanned<[Finite; 2]>>,
+    pub(super) cauchy: Option<Spanned<TwoOrThree>>,
+    pub(super) sellmeier: Option<Spanned<[[Finite; 3]; 2]>>,
     pub(super) interior: Option<Spanned<String>>,
+    pub(super) exterior: Option<Spanned<String>>,
     pub(super) base_color: Option<Spanned<Value<OneOrThree<Unit>>>>,
     pub(super) metallic: Option<Spanned<Value<Unit>>>,
     pub(super) specular: Option<Spanned<Value<Unit>>>,
@@ -152,6 +154,25 @@ impl<'de, T: Deserialize<'de> + Copy> Deserialize<'de> for Two<T> {
             }
         }
         from.deserialize_any(Read(PhantomData))
+    }
+}
+
+/// Two numbers or three; the third is 0 where there are two.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TwoOrThree(pub(super) [f64; 3]);
+
+impl<'de> Deserialize<'de> for TwoOrThree {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let all = Vec::<Finite>::deserialize(from)?;
+        match all[..] {
+            [a, b] => Ok(Self([a.0, b.0, 0.0])),
+            [a, b, c] => Ok(Self([a.0, b.0, c.0])),
+            _ => {
+                let found = all.len();
+                let message = format!("found {found} numbers, expected two or three");
+                Err(D::Error::custom(message))
+            }
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Media for the oracle: outside of all glass, perhaps within a box, and inside of it.
+//! Media for the oracle: outside of all glass, perhaps within a box, and inside of some.
 //!
 //! A distance is drawn for one of the three channels at random, all alike probable, and weighed by
 //! what all of them would have drawn; directions after a scattering event are uniform over the sphere,
@@ -7,33 +7,78 @@
 use super::random::uniform;
 use super::vector;
 use super::world::Ray;
-use crate::scene::{Medium, Scene};
+use crate::scene::{self, Bsdf, Material, Scene};
 use glam::DVec3;
 use rand_pcg::rand_core::Rng;
 use std::f64::consts::{PI, TAU};
 
-/// A medium, and where it is. A path is in one, or in none, and knows which.
+/// Where a ray runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Within {
+    /// Outside of all glass.
+    Outside,
+    /// In glass that is filled with nothing.
+    Clear,
+    /// In glass that is filled with a medium of the scene.
+    Filled(u32),
+}
+
+impl Within {
+    /// What lies behind a surface of `material`, seen from `near` it and from its front or back.
+    pub(super) fn behind(self, material: &Material, front: bool) -> Self {
+        let thin = match &material.bsdf {
+            Bsdf::Dielectric(glass) => glass.thin,
+            Bsdf::Principled(p) => p.thin,
+            _ => false,
+        };
+        match (thin, front) {
+            (true, _) => self,
+            (false, true) => material.interior().map_or(Self::Clear, Self::Filled),
+            (false, false) => material.exterior().map_or(Self::Outside, Self::Filled),
+        }
+    }
+}
+
+/// The media of a scene.
 #[derive(Debug)]
-pub(super) struct Fog {
+pub(super) struct Media {
+    fog: Option<Medium>,
+    inside: Vec<Medium>,
+}
+
+impl Media {
+    pub(super) fn new(scene: &Scene) -> Self {
+        let fog = scene.fog.as_ref().map(|fog| Medium {
+            bounds: fog.bounds.map(|corners| corners.map(vector)),
+            ..Medium::new(&scene.media[fog.medium as usize])
+        });
+        Self {
+            fog,
+            inside: scene.media.iter().map(Medium::new).collect(),
+        }
+    }
+
+    /// What a ray runs through.
+    pub(super) fn of(&self, ray: &Ray) -> Option<&Medium> {
+        match ray.within {
+            Within::Outside => self.fog.as_ref(),
+            Within::Clear => None,
+            Within::Filled(i) => self.inside.get(i as usize),
+        }
+    }
+}
+
+/// One of them.
+#[derive(Debug)]
+pub(super) struct Medium {
     extinction: DVec3,
     scattering: DVec3,
     g: f64,
     bounds: Option<[DVec3; 2]>,
 }
 
-impl Fog {
-    /// The fog of a scene, if it has one.
-    pub(super) fn outside(scene: &Scene) -> Option<Self> {
-        let fog = scene.fog.as_ref()?;
-        let bounds = fog.bounds.map(|corners| corners.map(vector));
-        Some(Self {
-            bounds,
-            ..Self::inside(&scene.media[fog.medium as usize])
-        })
-    }
-
-    /// What fills glass: wherever a path is that knows itself inside.
-    pub(super) fn inside(medium: &Medium) -> Self {
+impl Medium {
+    fn new(medium: &scene::Medium) -> Self {
         let scattering = vector(medium.scattering);
         Self {
             extinction: vector(medium.absorption) + scattering,
@@ -43,7 +88,7 @@ impl Fog {
         }
     }
 
-    /// What the fog leaves of light over a part of a ray.
+    /// What it leaves of light over a part of a ray.
     fn left(&self, length: f64) -> DVec3 {
         let along = |sigma: f64| {
             if sigma > 0.0 {
@@ -55,7 +100,7 @@ impl Fog {
         DVec3::from_array(self.extinction.to_array().map(along))
     }
 
-    /// Where the first `way` of a ray enters the fog, and for how long it stays.
+    /// Where the first `way` of a ray enters it, and for how long it stays.
     fn part(&self, ray: &Ray, way: f64) -> (f64, f64) {
         let Some([low, high]) = self.bounds else {
             return (0.0, way);
@@ -76,7 +121,7 @@ impl Fog {
         self.left(self.part(ray, way).1)
     }
 
-    /// Takes a ray through the fog, up to what it meets after `way`: where it is scattered on the way,
+    /// Takes a ray through it, up to what it meets after `way`: where it is scattered on the way,
     /// if it is, and what light is multiplied with.
     pub(super) fn travel(&self, rng: &mut impl Rng, ray: &Ray, way: f64) -> (Option<f64>, DVec3) {
         let (enter, length) = self.part(ray, way);
