@@ -80,6 +80,10 @@ fn every_choice_is_measured_and_told() {
                 );
             }
         }
+        // An observer's error in builds that know of it.
+        let seen = points.iter().map(|p| p["flip"].as_f64());
+        assert!(seen.clone().all(|s| s.is_some() == cfg!(feature = "flip")));
+        assert!(seen.flatten().all(|s| (0.0..=1.0).contains(&s)));
         let name = curve["name"].as_str().expect("a name");
         assert!(text.contains(&format!(" {name} ")), "{text}");
     }

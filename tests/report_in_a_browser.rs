@@ -39,6 +39,15 @@ all("th button")[0].click();
 const names = column(0).map((c) => c.textContent);
 said.by_name = names.length === before && sorted(names.map((n, i) => i === 0 ? 0 : n.localeCompare(names[i - 1])).map((c) => c >= 0 ? 1 : 0).slice(1), 1);
 
+const row = document.querySelector("tbody tr");
+const on = () => all(".plot.pointed .line.on").map((line) => line.dataset.name);
+row.dispatchEvent(new PointerEvent("pointerenter"));
+const plots = all(".plot").length;
+said.row_points = on().length === plots && on().every((name) => name === row.cells[0].textContent);
+row.dispatchEvent(new PointerEvent("pointerleave"));
+said.row_lets_go = on().length === 0;
+said.base_rows = all("tr.base").length;
+
 const visible = () => all("#error-time .line .drawn").filter((l) => l.getBoundingClientRect().width > 0);
 said.lines = visible().length;
 const button = all("[data-show]").find((b) => b.dataset.show === "depth");
@@ -143,6 +152,8 @@ fn the_page_of_a_scene_works() {
         "ascending",
         "descending",
         "by_name",
+        "row_points",
+        "row_lets_go",
         "depth_only",
         "some_depth",
         "all_again",
@@ -152,6 +163,7 @@ fn the_page_of_a_scene_works() {
     }
     // The base, three more strategies, four depths.
     assert_eq!(said["lines"], 8, "{said}");
+    assert_eq!(said["base_rows"], 1, "{said}");
     assert_eq!(said["images"], 8, "{said}");
     assert_eq!(said["hidden_at_first"], "inset(0px 0px 0px 100%)");
     assert_eq!(said["uncovered"], "inset(0px 0px 0px 25%)");

@@ -16,7 +16,7 @@ fn study(
     reference_error: f64,
     ladder: &Ladder,
 ) -> (Truth, SceneStudy) {
-    let geometry = Geometry::build(&scene.mesh);
+    let geometry = Geometry::of(scene, scene.settings.bvh);
     let control = Control::default();
     let stage = Stage {
         scene,
