@@ -4,8 +4,8 @@
 //! two; where that power is an ordinary f32 the detour rounds nothing that f32 would not. Other
 //! directions, [`Stage`] hands to the caller.
 
-use super::simd::{lanes_below, load_part, store16, transpose};
 use super::leaf::ROW;
+use super::simd::{lanes_below, load_part, store16, transpose};
 use super::slot::Ray;
 use crate::bvh::Bvh;
 use crate::rays::{Rays, Segments};

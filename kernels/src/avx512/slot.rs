@@ -125,8 +125,14 @@ impl Slot {
     pub(super) fn push_in_order(&mut self, met: Met) -> u32 {
         let keys = node::descending(met.hits, met.enter);
         let child = _mm256_permutevar8x32_ps(met.children, node::lanes(keys));
-        store8(bytemuck::cast_mut(eight_mut(&mut self.child, self.len)), child);
-        store8(eight_mut(&mut self.enter, self.len), _mm256_castsi256_ps(keys));
+        store8(
+            bytemuck::cast_mut(eight_mut(&mut self.child, self.len)),
+            child,
+        );
+        store8(
+            eight_mut(&mut self.enter, self.len),
+            _mm256_castsi256_ps(keys),
+        );
         // All but the nearest, if there is one.
         let others = (met.hits & met.hits.wrapping_sub(1)).count_ones() as u8;
         self.go_on(self.len.wrapping_add(others))
@@ -137,7 +143,10 @@ impl Slot {
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
     pub(super) fn push(&mut self, met: Met) -> u32 {
         let hit = _mm256_maskz_compress_ps(met.hits, met.children);
-        store8(bytemuck::cast_mut(eight_mut(&mut self.child, self.len)), hit);
+        store8(
+            bytemuck::cast_mut(eight_mut(&mut self.child, self.len)),
+            hit,
+        );
         let hits = met.hits.count_ones() as u8;
         self.go_on(self.len.wrapping_add(hits).wrapping_sub(1))
     }
