@@ -272,6 +272,24 @@ fn inline_mesh_with_a_bad_index() {
 }
 
 #[test]
+fn a_light_without_area() {
+    assert_eq!(
+        message(
+            "[materials.lamp]\nemission = 5\n[[shapes]]\nmaterial = \"lamp\"\n\
+             rectangle = { corner = [0, 0, 0], edges = [[1, 0, 0], [2, 0, 0]] }\n"
+        ),
+        "s.toml:3:1: shapes[0]: a rectangle without area, expected edges in two directions"
+    );
+    assert_eq!(
+        message(
+            "[materials.lamp]\nemission = 5\n[[shapes]]\nmaterial = \"lamp\"\n\
+             sphere = { center = [0, 0, 0], radius = 0 }\n"
+        ),
+        "s.toml:5:41: shapes[0].sphere.radius: found 0, expected a finite number above 0"
+    );
+}
+
+#[test]
 fn unknown_material() {
     assert_eq!(
         message(

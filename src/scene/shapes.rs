@@ -109,6 +109,11 @@ impl<'a> Shapes<'a> {
             material.is_some_and(|&m| self.materials[m as usize].reads_textures(&self.materials))
         });
         let drawn = if let Some(rectangle) = &shape.rectangle {
+            let [a, b] = rectangle.edges.map(vector);
+            if a.cross(b) == DVec3::ZERO {
+                let message = "a rectangle without area, expected edges in two directions";
+                return Err(self.file.error(span, message));
+            }
             Drawn::rectangle(rectangle, textured)
         } else if let Some(cuboid) = &shape.cuboid {
             self.cuboid(cuboid, textured)?
