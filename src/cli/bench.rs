@@ -10,7 +10,9 @@ use crate::cli::json;
 use crate::cli::system::peak_memory;
 use crate::cli::text::out;
 use huygens::film::output::ensure_writable;
-use huygens::throughput::compare::{Comparison, SESSIONS_FLOOR, TURNS_FLOOR, Verdict, compare};
+use huygens::throughput::compare::{
+    Comparison, SESSIONS_FLOOR, TURNS_FLOOR, Verdict, compare, memory_change,
+};
 use huygens::throughput::measure::Prepared;
 use huygens::throughput::suite::{SUITE, Standard};
 use miette::{IntoDiagnostic, WrapErr, miette};
@@ -127,7 +129,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     if let Some(program) = &args.against {
         let [old, new] = take_turns(args, program)?;
         finish(args, &new)?;
-        return verdict(args, &old, &new, TURNS_FLOOR);
+        return verdict(args, &old, &new);
     }
     let reports = measure(args, &suite)?;
     for report in &reports {
@@ -138,7 +140,7 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
     }
     finish(args, &reports[0])?;
     match old {
-        Some(old) => verdict(args, &old, &reports[0], SESSIONS_FLOOR),
+        Some(old) => verdict(args, &old, &reports[0]),
         None => Ok(()),
     }
 }
@@ -269,7 +271,7 @@ fn finish(args: &Args, report: &Report) -> Result<(), Failure> {
 }
 
 /// Prints the comparison; an error beyond the threshold.
-fn verdict(args: &Args, old: &Report, new: &Report, floor: f64) -> Result<(), Failure> {
+fn verdict(args: &Args, old: &Report, new: &Report) -> Result<(), Failure> {
     old.ensure_comparable(new)?;
     let scenes: Vec<_> = old
         .scenes
@@ -279,6 +281,12 @@ fn verdict(args: &Args, old: &Report, new: &Report, floor: f64) -> Result<(), Fa
             Some((o.name.as_str(), &o.runs[..], &n.runs[..]))
         })
         .collect();
+    // Where runs took turns, memory changed for both.
+    let floor = if args.against.is_some() {
+        TURNS_FLOOR
+    } else {
+        SESSIONS_FLOOR.max(memory_change(&scenes))
+    };
     let found = compare(&scenes, floor);
     out(&text::comparison(&found, floor));
     let beyond = 1.0 + args.threshold / 100.0;

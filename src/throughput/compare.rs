@@ -7,7 +7,8 @@
 //!
 //! They are not, quite: two sessions of one program differ by a few per cent in where the system put
 //! its pages and who shared its caches. So a difference is only called one if the interval excludes
-//! the *floor* as well, which is smaller where the runs of both took turns.
+//! the *floor* as well, which is smaller where the runs of both took turns, and larger where memory
+//! became slower or faster in between.
 
 use super::measure::Run;
 use crate::estimate::{Running, sidak, student_quantile};
@@ -139,6 +140,28 @@ pub fn compare(scenes: &[(&str, &[Run], &[Run])], floor: f64) -> Vec<Comparison>
     pairs.iter().map(one).collect()
 }
 
+/// By how much memory may have become slower or faster, against the yardstick, from the old runs to the new,
+/// at most with the shared significance: relative, 0 where the old runs do not tell. No smaller difference
+/// between two sessions need be the program's.
+#[must_use]
+pub fn memory_change(scenes: &[(&str, &[Run], &[Run])]) -> f64 {
+    let latency = |r: &Run| r.memory_seconds / r.yardstick_seconds;
+    let runs = scenes.iter().map(|(_, old, new)| old.len().min(new.len()));
+    let mut logs = Running::new();
+    for run in 0..runs.min().unwrap_or(0) {
+        let ratios = scenes
+            .iter()
+            .map(|(_, old, new)| latency(&new[run]) / latency(&old[run]));
+        logs.push(ratios.map(f64::ln).sum::<f64>() / scenes.len() as f64);
+    }
+    let half = match logs.standard_error() {
+        Some(error) => error * student_quantile(1.0 - 0.5 * SIGNIFICANCE, logs.count() - 1),
+        None => 0.0,
+    };
+    let most = logs.mean().abs() + half;
+    if most.is_finite() { most.exp_m1() } else { 0.0 }
+}
+
 /// Compares the costs of one quantity, run by run, at a significance of its own.
 #[must_use]
 pub fn compare_costs(
@@ -182,6 +205,11 @@ mod tests {
 
     /// Runs whose costs vary by `noise` about 1 (and of the stage by `stage`), on a machine that drifts.
     fn runs(seed: u64, noise: f64, stage: f64) -> Vec<Run> {
+        runs_with_memory(seed, noise, stage, 1.0)
+    }
+
+    /// The same where memory is so many times slower.
+    fn runs_with_memory(seed: u64, noise: f64, stage: f64, memory: f64) -> Vec<Run> {
         let mut rng = generator(&[seed]);
         (0..9)
             .map(|i| {
@@ -191,6 +219,7 @@ mod tests {
                     seconds: 9.0,
                     cpu_seconds: machine * wobble(),
                     yardstick_seconds: machine,
+                    memory_seconds: 2.0 * machine * memory,
                     workers: 1,
                     worker_seconds: 9.0,
                     samples: 1000,
@@ -262,6 +291,21 @@ mod tests {
         assert!(alone.clone().count() > 8);
         let shown = alone.filter(|c| c.verdict == Verdict::Slower).count();
         assert!(shown < 8, "one scene alone mostly shows nothing");
+    }
+
+    #[test]
+    fn memory_that_got_slower_is_seen_whatever_the_processor_does() {
+        let old = runs(1, 0.05, 1.0);
+        let change = |new: &[Run]| memory_change(&[("a", &old, new), ("b", &old, new)]);
+        // A few roundings.
+        assert!(change(&runs(2, 0.05, 1.0)) < 1e-12);
+        for memory in [1.2, 1.0 / 1.2] {
+            let seen = change(&runs_with_memory(3, 0.05, 1.0, memory));
+            assert!((seen - 0.2).abs() < 1e-12, "{seen}");
+        }
+        let mut unknown = old.clone();
+        unknown.iter_mut().for_each(|r| r.memory_seconds = 0.0);
+        assert_eq!(memory_change(&[("a", &unknown, &old)]), 0.0);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! One run of a scene, timed.
 
 use super::suite::Standard;
-use super::yardstick;
+use super::{memory_yardstick, yardstick};
 use crate::film::Film;
 use crate::geometry::Geometry;
 use crate::processor::cpu_seconds;
@@ -46,6 +46,9 @@ pub struct Run {
     pub cpu_seconds: f64,
     /// Processor seconds of the yardstick, mean of before and after.
     pub yardstick_seconds: f64,
+    /// The same of the yardstick that waits for memory.
+    #[serde(default)]
+    pub memory_seconds: f64,
     /// Worker threads.
     #[serde(default)]
     pub workers: usize,
@@ -81,6 +84,8 @@ impl Prepared {
     /// # Errors
     /// If the folder cannot be written, or the program cannot read its own scene.
     pub fn new(standard: &Standard) -> Result<Self, PrepareError> {
+        // Its table stays, and is no scene's.
+        let _ = memory_yardstick();
         resident::give_back();
         let before = resident::now().filter(|_| resident::forget_peak());
         let folder = tempfile::tempdir()?;
@@ -149,7 +154,8 @@ impl Prepared {
         };
         let film = &self.scene.film;
         let film = Film::new(film.width, film.height, settings.tile);
-        let before = yardstick();
+        let yardsticks = || [yardstick(), memory_yardstick()];
+        let before = yardsticks();
         let stats = wave::render_with(
             &self.scene,
             &self.geometry,
@@ -158,7 +164,7 @@ impl Prepared {
             &Control::default(),
             instruments,
         );
-        let after = yardstick();
+        let after = yardsticks();
         let all: f64 = stats.stages.iter().map(|s| s.seconds).sum();
         let items = |s: &wave::StageStats| match s.items_in {
             0 => s.items_out,
@@ -172,7 +178,8 @@ impl Prepared {
         Run {
             seconds: stats.seconds,
             cpu_seconds: stats.cpu_seconds.unwrap_or(stats.seconds),
-            yardstick_seconds: 0.5 * (before + after),
+            yardstick_seconds: 0.5 * (before[0] + after[0]),
+            memory_seconds: 0.5 * (before[1] + after[1]),
             workers: stats.threads,
             worker_seconds: stats.worker_seconds,
             samples: stats.samples,

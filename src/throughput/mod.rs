@@ -12,4 +12,4 @@ pub mod measure;
 pub mod suite;
 mod yardstick;
 
-pub use yardstick::yardstick;
+pub use yardstick::{memory_yardstick, yardstick};

@@ -130,7 +130,7 @@ pub(super) fn comparison(found: &[Comparison], floor: f64) -> String {
         "\ntime against the other, with intervals that all hold with probability {}; differences below \
          {}% are none\n",
         1.0 - SIGNIFICANCE,
-        100.0 * floor
+        (1000.0 * floor).round() / 10.0
     );
     for c in found {
         let verdict = match c.verdict {
