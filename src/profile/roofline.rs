@@ -253,8 +253,12 @@ mod tests {
     #[test]
     fn the_chart_shows_what_is_known_against_its_roof() {
         let text = text(&LIMITS, &rows(), 60, 12);
-        assert!(text.contains("a generate                4.00 op/B    40.00 Gop/s,  50% of its roof"));
-        assert!(text.contains("b a < b                   0.50 op/B     4.00 Gop/s,  20% of its roof"));
+        assert!(
+            text.contains("a generate                4.00 op/B    40.00 Gop/s,  50% of its roof")
+        );
+        assert!(
+            text.contains("b a < b                   0.50 op/B     4.00 Gop/s,  20% of its roof")
+        );
         assert!(!text.contains("intersect"), "its operations are unknown");
         assert_eq!(text.lines().filter(|l| l.starts_with("  |")).count(), 12);
     }
