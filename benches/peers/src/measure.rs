@@ -4,7 +4,7 @@ use crate::agree::{Agreement, differences};
 use crate::catalogue::Subject;
 use crate::embree::{Device, Packets, Quality, Scene, Single, Stream};
 use crate::ours::Ours;
-use crate::queue::{Closest, Found, Occluded};
+use crate::queue::{Closest, Found, Occluded, Queue};
 use crate::rounds::{Timings, Variant};
 use crate::sets::{Set, Sets};
 use huygens::geometry::Preset;
@@ -120,33 +120,40 @@ pub(crate) fn measure(
     })
 }
 
+/// What answers queues of both kinds.
+trait Both: Closest + Occluded {}
+
+impl<T: Closest + Occluded> Both for T {}
+
+/// Embree's forms for rays that go anywhere.
+fn peers<'a>(scenes: &'a Scenes) -> [(&'static str, Box<dyn Both + 'a>); 5] {
+    [
+        ("robust", Box::new(Single(&scenes.robust))),
+        ("default", Box::new(Single(&scenes.plain))),
+        ("HIGH", Box::new(Single(&scenes.high))),
+        ("robust stream", Box::new(Stream(&scenes.robust))),
+        ("stream", Box::new(Stream(&scenes.plain))),
+    ]
+}
+
 fn closest(set: &Set, ours: [(&'static str, &Ours); 2], scenes: &Scenes, rounds: usize) -> Timings {
-    let Set { queue, warm_up } = set;
-    let mut tracers: Vec<(&'static str, Box<dyn Closest + '_>)> = Vec::new();
-    for (name, ours) in ours {
-        tracers.push((name, Box::new(ours)));
+    let peers = peers(scenes);
+    let packets = [&scenes.robust, &scenes.plain].map(Packets);
+    let mut tracers: Vec<(&str, &dyn Closest)> = Vec::new();
+    tracers.extend(ours.map(|(name, ours)| (name, ours as &dyn Closest)));
+    tracers.extend(
+        peers
+            .iter()
+            .map(|(name, peer)| (*name, &**peer as &dyn Closest)),
+    );
+    if set.queue.coherent {
+        tracers.push(("robust packets", &packets[0]));
+        tracers.push(("packets", &packets[1]));
     }
-    tracers.push(("robust", Box::new(Single(&scenes.robust))));
-    tracers.push(("default", Box::new(Single(&scenes.plain))));
-    tracers.push(("HIGH", Box::new(Single(&scenes.high))));
-    tracers.push(("robust stream", Box::new(Stream(&scenes.robust))));
-    tracers.push(("stream", Box::new(Stream(&scenes.plain))));
-    if queue.coherent {
-        tracers.push(("robust packets", Box::new(Packets(&scenes.robust))));
-        tracers.push(("packets", Box::new(Packets(&scenes.plain))));
-    }
-    let found = RefCell::new(Found::new(queue.len()));
-    let mut variants = Vec::new();
-    for (name, tracer) in &tracers {
-        let found = &found;
-        let on = |rays| move || tracer.closest(rays, &mut found.borrow_mut());
-        variants.push(Variant {
-            name,
-            warm_up: Box::new(on(warm_up)),
-            work: Box::new(on(queue)),
-        });
-    }
-    Timings::take(queue.len(), rounds, variants)
+    let found = RefCell::new(Found::new(set.queue.len()));
+    turns(set, rounds, &tracers, |tracer, rays| {
+        tracer.closest(rays, &mut found.borrow_mut());
+    })
 }
 
 fn occluded(
@@ -155,26 +162,36 @@ fn occluded(
     scenes: &Scenes,
     rounds: usize,
 ) -> Timings {
-    let Set { queue, warm_up } = set;
-    let mut tracers: Vec<(&'static str, Box<dyn Occluded + '_>)> = Vec::new();
-    for (name, ours) in ours {
-        tracers.push((name, Box::new(ours)));
-    }
-    tracers.push(("robust", Box::new(Single(&scenes.robust))));
-    tracers.push(("default", Box::new(Single(&scenes.plain))));
-    tracers.push(("HIGH", Box::new(Single(&scenes.high))));
-    tracers.push(("robust stream", Box::new(Stream(&scenes.robust))));
-    tracers.push(("stream", Box::new(Stream(&scenes.plain))));
-    let blocked = RefCell::new(vec![0; queue.t_max.len()]);
+    let peers = peers(scenes);
+    let mut tracers: Vec<(&str, &dyn Occluded)> = Vec::new();
+    tracers.extend(ours.map(|(name, ours)| (name, ours as &dyn Occluded)));
+    tracers.extend(
+        peers
+            .iter()
+            .map(|(name, peer)| (*name, &**peer as &dyn Occluded)),
+    );
+    let blocked = RefCell::new(vec![0; set.queue.t_max.len()]);
+    turns(set, rounds, &tracers, |tracer, rays| {
+        tracer.occluded(rays, &mut blocked.borrow_mut());
+    })
+}
+
+/// Each tracer asked about the set in turn.
+fn turns<T: ?Sized>(
+    set: &Set,
+    rounds: usize,
+    tracers: &[(&'static str, &T)],
+    ask: impl Fn(&T, &Queue),
+) -> Timings {
+    let ask = &ask;
     let mut variants = Vec::new();
-    for (name, tracer) in &tracers {
-        let blocked = &blocked;
-        let on = |rays| move || tracer.occluded(rays, &mut blocked.borrow_mut());
+    for &(name, tracer) in tracers {
+        let on = |rays| move || ask(tracer, rays);
         variants.push(Variant {
             name,
-            warm_up: Box::new(on(warm_up)),
-            work: Box::new(on(queue)),
+            warm_up: Box::new(on(&set.warm_up)),
+            work: Box::new(on(&set.queue)),
         });
     }
-    Timings::take(queue.len(), rounds, variants)
+    Timings::take(set.queue.len(), rounds, variants)
 }

@@ -145,20 +145,8 @@ pub(crate) trait Closest {
     fn closest(&self, rays: &Queue, found: &mut Found);
 }
 
-impl<T: Closest> Closest for &T {
-    fn closest(&self, rays: &Queue, found: &mut Found) {
-        (**self).closest(rays, found);
-    }
-}
-
 /// Whoever answers occlusion queues.
 pub(crate) trait Occluded {
     /// Writes 1 for each ray that meets something before its `t_max`, else 0.
     fn occluded(&self, rays: &Queue, blocked: &mut [u32]);
-}
-
-impl<T: Occluded> Occluded for &T {
-    fn occluded(&self, rays: &Queue, blocked: &mut [u32]) {
-        (**self).occluded(rays, blocked);
-    }
 }
