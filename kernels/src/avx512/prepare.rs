@@ -5,13 +5,17 @@
 //! directions, [`Stage`] hands to the caller.
 
 use super::leaf::ROW;
-use super::simd::{lanes_below, load_part, store16, transpose};
+use super::simd::{fetch, lanes_below, load_part, store16, transpose};
 use super::slot::Ray;
 use crate::bvh::Bvh;
 use crate::rays::{Rays, Segments};
 use crate::vec3::Columns;
 use std::arch::x86_64::*;
 use std::ops::Range;
+
+/// How far ahead of the rays that are made ready their columns are asked for. So many columns, a few
+/// rays at a time and long pauses in between: the processor does not foresee it by itself.
+const AHEAD: usize = 32;
 
 /// Rays that are ready and wait for a slot.
 #[repr(align(64))]
@@ -28,11 +32,14 @@ pub(super) struct Stage {
     odd: u32,
     /// The first ray that has not been looked at.
     next: usize,
+    /// Where answers will be written that nobody has touched yet.
+    answers: [*const f32; 3],
 }
 
 impl Stage {
-    /// For rays through a tree that is not empty.
-    pub(super) fn new(bvh: Bvh) -> Self {
+    /// For rays through a tree that is not empty. `answers` are columns whose numbers are asked for as
+    /// their rays' turn comes (never read: null will do).
+    pub(super) fn new(bvh: Bvh, answers: [*const f32; 3]) -> Self {
         Self {
             rays: [[0.0; 16]; 16],
             leave: [[0.0; 16]; 3],
@@ -41,6 +48,7 @@ impl Stage {
             ready: 0,
             odd: 0,
             next: 0,
+            answers,
         }
     }
 
@@ -109,6 +117,13 @@ impl Stage {
     ) {
         let first = self.next;
         let end = len.min(first + 16);
+        fetch(leaves.as_ptr().cast(), first + AHEAD);
+        if let Some(t_max) = t_max {
+            fetch(t_max.as_ptr(), first + AHEAD);
+        }
+        for column in self.answers {
+            fetch(column, first + 16);
+        }
         let leaves = load_part(bytemuck::cast_slice(leaves), first, end);
         let sixteen = Sixteen::new(origin, direction, first..end);
         let Sixteen {
@@ -201,6 +216,9 @@ impl Sixteen {
     #[inline]
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
     pub(super) fn new(origin: Columns, direction: Columns, range: Range<usize>) -> Self {
+        for column in origin.iter().chain(&direction) {
+            fetch(column.as_ptr(), range.start + AHEAD);
+        }
         let o = origin.map(|column| load_part(column, range.start, range.end));
         let d = direction.map(|column| load_part(column, range.start, range.end));
         let [x, y, z] = d.map(|d| _mm512_abs_ps(d));
