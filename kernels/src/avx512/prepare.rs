@@ -117,6 +117,9 @@ impl Stage {
     ) {
         let first = self.next;
         let end = len.min(first + 16);
+        for column in origin.iter().chain(&direction) {
+            fetch(column.as_ptr(), first + AHEAD);
+        }
         fetch(leaves.as_ptr().cast(), first + AHEAD);
         if let Some(t_max) = t_max {
             fetch(t_max.as_ptr(), first + AHEAD);
@@ -216,9 +219,6 @@ impl Sixteen {
     #[inline]
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
     pub(super) fn new(origin: Columns, direction: Columns, range: Range<usize>) -> Self {
-        for column in origin.iter().chain(&direction) {
-            fetch(column.as_ptr(), range.start + AHEAD);
-        }
         let o = origin.map(|column| load_part(column, range.start, range.end));
         let d = direction.map(|column| load_part(column, range.start, range.end));
         let [x, y, z] = d.map(|d| _mm512_abs_ps(d));
@@ -253,6 +253,12 @@ impl Sixteen {
             x_main,
             y_main: !x_main & _mm512_cmp_ps_mask::<_CMP_GT_OQ>(y, z),
         }
+    }
+
+    /// Those that the kernels here trace.
+    #[inline]
+    pub(super) fn usual(&self) -> __mmask16 {
+        self.able & self.ordinary
     }
 
     /// One of three, by main axis.
