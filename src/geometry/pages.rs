@@ -130,33 +130,49 @@ impl<T: Pod> std::fmt::Debug for Table<T> {
 /// As [`Table`], for those who need a vector.
 pub(super) fn zeroed<T: Zeroable>(len: usize) -> Vec<T> {
     const { assert!(align_of::<T>() <= UNTOUCHED, "a table is for these") };
-    let mut table = bytemuck::zeroed_vec(len);
-    if len * size_of::<T>() >= WORTH_IT {
-        ask_for_large(&mut table);
-    }
+    let table = bytemuck::zeroed_vec(len);
+    large_where_untouched(&table);
     table
 }
 
-/// A hint: where it cannot be followed, nothing changes.
-fn ask_for_large<T>(memory: &mut [T]) {
+/// Large pages for those parts of memory, if it is large, that nobody has touched yet: zeros that are only
+/// ever read then take no memory, and one page for many.
+pub(super) fn large_where_untouched<T>(memory: &[T]) {
     #[cfg(target_os = "linux")]
-    {
-        const PAGE: usize = 4096;
-        let range = memory.as_mut_ptr_range();
-        let start = (range.start as usize).next_multiple_of(PAGE);
-        let end = range.end as usize / PAGE * PAGE;
-        if start < end {
-            let skipped = start - range.start as usize;
-            let start = range.start.wrapping_byte_add(skipped);
-            // SAFETY: the whole pages from `start` to `end` lie in `memory`, which is borrowed
-            // mutably; this advice does not change what memory contains.
-            unsafe {
-                libc::madvise(start.cast(), end - start as usize, libc::MADV_HUGEPAGE);
-            }
-        }
+    if size_of_val(memory) >= WORTH_IT {
+        advise(memory, libc::MADV_HUGEPAGE);
     }
     #[cfg(not(target_os = "linux"))]
     let _ = memory;
+}
+
+/// Puts memory that is written already onto large pages, if it is large. What it holds stays.
+pub(super) fn onto_large<T>(memory: &[T]) {
+    large_where_untouched(memory);
+    #[cfg(target_os = "linux")]
+    if size_of_val(memory) >= WORTH_IT {
+        // `MADV_COLLAPSE` of Linux 6.1: not all of libc's targets name it.
+        const COLLAPSE: libc::c_int = 25;
+        advise(memory, COLLAPSE);
+    }
+}
+
+/// A hint about the whole pages of `memory`: where it cannot be followed, nothing changes. One of those that do
+/// not change what memory holds, please.
+#[cfg(target_os = "linux")]
+fn advise<T>(memory: &[T], advice: libc::c_int) {
+    const PAGE: usize = 4096;
+    let range = memory.as_ptr_range();
+    let start = range.start.addr().next_multiple_of(PAGE);
+    let end = range.end.addr() / PAGE * PAGE;
+    if start < end {
+        let start = range.start.with_addr(start);
+        // SAFETY: the whole pages from `start` to `end` lie in `memory`, and this advice does not change what
+        // they hold.
+        unsafe {
+            libc::madvise(start.cast_mut().cast(), end - start.addr(), advice);
+        }
+    }
 }
 
 #[cfg(test)]
