@@ -24,6 +24,8 @@ const CUTS: f32 = 1.0;
 /// at 30 to 60 levels for millions of triangles and hardly grow; one that is this deep already
 /// comes from boxes that reinsertion could not improve.
 const DEEP: u32 = 96;
+/// Vertices that one task looks through.
+const CHUNK: usize = 1 << 14;
 /// Levels whose nodes are looked through in parallel.
 const FORK: u32 = 8;
 /// Areas of boxes beyond this size overflow: there is no surface area heuristic, and reinsertion
@@ -115,16 +117,18 @@ impl Binary {
 
 /// The largest finite coordinate without its sign, and whether all are finite.
 fn extremes(vertices: &[[f32; 3]]) -> (f32, bool) {
-    let coordinates = vertices.par_iter().flatten_iter().map(|c| c.abs());
-    coordinates
-        .map(|c| {
-            if c.is_finite() {
-                (c, true)
-            } else {
-                (0.0, false)
-            }
-        })
-        .reduce(|| (0.0, true), |a, b| (a.0.max(b.0), a.1 & b.1))
+    // Without their sign, numbers are in the order of their bits, infinity and what is no number last.
+    let bits = |c: &f32| c.abs().to_bits();
+    let largest = |part: &[[f32; 3]]| {
+        let coordinates = part.as_flattened().iter();
+        coordinates.fold(0, |most, c| most.max(bits(c)))
+    };
+    let most = vertices.par_chunks(CHUNK).map(largest).max().unwrap_or(0);
+    if f32::from_bits(most).is_finite() {
+        return (f32::from_bits(most), true);
+    }
+    let finite = vertices.par_iter().flatten_iter().filter(|c| c.is_finite());
+    (f32::from_bits(finite.map(bits).max().unwrap_or(0)), false)
 }
 
 fn is_finite(aabb: &Aabb) -> bool {
