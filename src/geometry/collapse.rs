@@ -11,6 +11,7 @@
 use super::build::Binary;
 use huygens_kernels::bvh::{BLOCK, WIDTH};
 use obvhs::{aabb::Aabb, bvh2::node::Bvh2Node};
+use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use wide::{f32x4, f32x8, u32x8};
 
@@ -24,6 +25,8 @@ pub(super) const MAX_LEAF: usize = BLOCK;
 /// fewer nodes than a power of two.
 const FORK: u32 = 12;
 const TASK: u32 = 6;
+/// Entries of a table that one task writes, at least.
+const MANY: usize = 1 << 12;
 /// References that are looked through for triangles that occur more than once. What has more is no
 /// leaf, unless most of them are the same.
 const LOOK_THROUGH: u32 = 2 * MAX_LEAF as u32;
@@ -58,7 +61,10 @@ struct Subtree {
 
 /// The best way to collapse each node of a binary tree.
 pub(super) struct Collapse<'a> {
-    tree: &'a Binary,
+    nodes: &'a [Bvh2Node],
+    triangles: &'a [u32],
+    /// Whether a triangle may be in more than one leaf.
+    repeats: bool,
     /// Byte `k` of an entry: with at most `k + 1` roots; the last one is how the node's own eight
     /// children are shared out. (Atomic, because threads write entries all over the table; each is
     /// written once.)
@@ -72,31 +78,27 @@ pub(super) struct Collapse<'a> {
 impl<'a> Collapse<'a> {
     /// Decides for every node of a tree that is not empty, on the current rayon pool.
     pub(super) fn new(tree: &'a Binary) -> Self {
+        let entries = (0..tree.nodes.len()).into_par_iter().with_min_len(MANY);
         let mut collapse = Self {
-            tree,
-            shares: Vec::new(),
+            nodes: &tree.nodes,
+            triangles: &tree.triangles,
+            repeats: tree.repeats,
+            shares: entries.map(|_| AtomicU64::new(0)).collect(),
             cost: 0.0,
             fork: tree.nodes.len().ilog2().saturating_sub(TASK).min(FORK),
         };
-        collapse
-            .shares
-            .resize_with(tree.nodes.len(), AtomicU64::default);
         collapse.cost = collapse.solve(0, 0).costs[0];
         collapse
     }
 
-    fn nodes(&self) -> &'a [Bvh2Node] {
-        &self.tree.nodes
-    }
-
     /// Expected cost of a ray that meets the root's box.
     pub(super) fn sah_cost(&self) -> f32 {
-        let area = self.nodes()[0].aabb().half_area();
+        let area = self.nodes[0].aabb().half_area();
         if area > 0.0 { self.cost / area } else { 0.0 }
     }
 
     fn solve(&self, node: u32, depth: u32) -> Subtree {
-        let binary = &self.nodes()[node as usize];
+        let binary = &self.nodes[node as usize];
         let area = binary.aabb().half_area();
         if binary.is_leaf() {
             let mut costs = [f32::INFINITY; WIDTH];
@@ -119,7 +121,7 @@ impl<'a> Collapse<'a> {
                 self.solve(first + 1, depth + 1),
             )
         };
-        let children = [first, first + 1].map(|i| *self.nodes()[i as usize].aabb());
+        let children = [first, first + 1].map(|i| *self.nodes[i as usize].aabb());
         debug_assert_eq!(
             *binary.aabb(),
             children[0].union(&children[1]),
@@ -139,7 +141,7 @@ impl<'a> Collapse<'a> {
     /// Cost of `node` as a leaf.
     fn leaf_cost(&self, node: u32, area: f32, references: u32) -> f32 {
         let mut triangles = references as usize;
-        if self.tree.repeats && triangles > MAX_LEAF && references <= LOOK_THROUGH {
+        if self.repeats && triangles > MAX_LEAF && references <= LOOK_THROUGH {
             let mut distinct = Vec::with_capacity(triangles);
             self.triangles(node, &mut distinct);
             triangles = distinct.len();
@@ -163,12 +165,12 @@ impl<'a> Collapse<'a> {
 
     /// The box of `node`.
     pub(super) fn aabb(&self, node: u32) -> &'a Aabb {
-        self.nodes()[node as usize].aabb()
+        self.nodes[node as usize].aabb()
     }
 
     /// Lower and upper corner of the box of `node`; their last lanes mean nothing.
     pub(super) fn corners(&self, node: u32) -> [f32x4; 2] {
-        bytemuck::cast(self.nodes()[node as usize])
+        bytemuck::cast(self.nodes[node as usize])
     }
 
     /// The nodes that become children of `node` as a wide node, left to right, and how many they are: one
@@ -184,7 +186,7 @@ impl<'a> Collapse<'a> {
 
     fn collect(&self, node: u32, roots: usize, out: &mut [u32; WIDTH], n: &mut usize) {
         if let Some((left, right)) = self.share(node, roots).split() {
-            let first = self.nodes()[node as usize].first_index;
+            let first = self.nodes[node as usize].first_index;
             self.collect(first, left, out, n);
             self.collect(first + 1, right, out, n);
         } else {
@@ -196,11 +198,11 @@ impl<'a> Collapse<'a> {
     /// The triangles of a leaf of the binary tree.
     fn run(&self, leaf: &Bvh2Node) -> &'a [u32] {
         let first = leaf.first_index as usize;
-        &self.tree.triangles[first..first + leaf.prim_count as usize]
+        &self.triangles[first..first + leaf.prim_count as usize]
     }
 
     fn gather(&self, node: u32, out: &mut Vec<u32>) {
-        let node = &self.nodes()[node as usize];
+        let node = &self.nodes[node as usize];
         if node.is_leaf() {
             out.extend_from_slice(self.run(node));
         } else {
@@ -214,7 +216,7 @@ impl<'a> Collapse<'a> {
     where
         'a: 'o,
     {
-        let one = &self.nodes()[node as usize];
+        let one = &self.nodes[node as usize];
         if one.is_leaf() {
             return self.run(one);
         }
@@ -226,10 +228,10 @@ impl<'a> Collapse<'a> {
     pub(super) fn triangles(&self, node: u32, out: &mut Vec<u32>) {
         out.clear();
         self.gather(node, out);
-        if self.nodes()[node as usize].is_leaf() {
+        if self.nodes[node as usize].is_leaf() {
             return;
         }
-        if !self.tree.repeats {
+        if !self.repeats {
             return;
         }
         if out.len() <= LOOK_THROUGH as usize {

@@ -28,8 +28,9 @@ mod tests_of_few_and_many;
 use super::{build::Binary, pages::Table};
 use crate::scene::Mesh;
 use bounds::Bounds;
+use bytemuck::Zeroable;
 use cells::Plan;
-use grown::Grown;
+use grown::{Grown, Run};
 use rayon::prelude::*;
 use reference::Reference;
 use split::{CHUNK, Grid};
@@ -42,6 +43,8 @@ use sweep::FEW;
 const OVERLAP: f32 = 1e-4;
 /// Depth from which on nodes are halved.
 const HALVE_FROM: u32 = 64;
+/// References on a page of 4 KiB.
+const PAGE: usize = 4096 / size_of::<Reference>();
 /// References from which on the halves of a node are built in parallel.
 const FORK: usize = 1 << 12;
 
@@ -55,13 +58,22 @@ pub(super) fn build(mesh: &Mesh, kept: &[u32], budget: f32) -> Binary {
     let room = kept.len() + (kept.len() as f32 * budget) as usize;
     let mut from = Table::<Reference>::zeroed(room);
     let mut to = Table::<Reference>::zeroed(room);
-    let bounds = from[..kept.len()]
-        .par_iter_mut()
-        .zip(kept)
-        .map(|(reference, &i)| {
-            let [a, b, c] = mesh.corners(i as usize).map(Bounds::point);
-            *reference = Reference::new(a.union(b).union(c), i);
-            reference.bounds()
+    let pieces = from.par_chunks_mut(CHUNK).zip(to.par_chunks_mut(CHUNK));
+    let bounds = pieces
+        .zip(kept.par_chunks(CHUNK))
+        .map(|((from, to), kept)| {
+            // Whoever first writes to a page has it cleared, and if two do, twice: references will be
+            // written all over the other table by everybody.
+            to.iter_mut()
+                .step_by(PAGE)
+                .for_each(|first| *first = Reference::zeroed());
+            let mut bounds = Bounds::EMPTY;
+            for (reference, &i) in from.iter_mut().zip(kept) {
+                let [a, b, c] = mesh.corners(i as usize).map(Bounds::point);
+                *reference = Reference::new(a.union(b).union(c), i);
+                bounds = bounds.union(reference.bounds());
+            }
+            bounds
         })
         .reduce(|| Bounds::EMPTY, Bounds::union);
     let builder = Builder {
@@ -76,8 +88,8 @@ pub(super) fn build(mesh: &Mesh, kept: &[u32], budget: f32) -> Binary {
         depth: 0,
     };
     let grown = builder.grow(root);
-    drop((from, to));
-    grown.into_tree(kept.len())
+    drop(to);
+    grown.into_tree(kept.len(), from)
 }
 
 /// What all nodes share.
@@ -189,7 +201,7 @@ impl Builder<'_> {
         to: &mut [Reference],
         depth: u32,
         at: usize,
-        run: &mut Binary,
+        run: &mut Run,
     ) {
         let Some(halves) = &plan.halves else {
             return self.run(Task::of_bucket(plan, from, to, depth), at, run);
@@ -204,7 +216,7 @@ impl Builder<'_> {
     }
 
     /// Builds a subtree whose root is `run.nodes[at]`.
-    fn run(&self, mut task: Task, at: usize, run: &mut Binary) {
+    fn run(&self, mut task: Task, at: usize, run: &mut Run) {
         if task.valid.len() <= FEW {
             return sweep::grow(&mut task.from[task.valid], task.bounds, at, run);
         }

@@ -4,8 +4,9 @@
 //! fixed lengths, filled up with boxes of nothing, and nothing but the last choice is a branch.
 
 use super::bounds::{Bounds, Least, costs};
+use super::grown::Run;
 use super::reference::Reference;
-use crate::geometry::build::Binary;
+
 use huygens_kernels::bvh::BLOCK;
 use obvhs::bvh2::node::Bvh2Node;
 use wide::{f32x4, i32x4};
@@ -17,7 +18,7 @@ pub(super) const FEW: usize = 16;
 const SPREAD: f32 = 0.8;
 
 /// Builds the subtree over up to [`FEW`] references, at least one, with its root at `run.nodes[at]`.
-pub(super) fn grow(references: &mut [Reference], bounds: Bounds, at: usize, run: &mut Binary) {
+pub(super) fn grow(references: &mut [Reference], bounds: Bounds, at: usize, run: &mut Run) {
     let n = references.len();
     let split = (n > 1).then(|| sweep(references));
     if n <= BLOCK && split.is_none_or(|split| split.cost >= SPREAD * bounds.half_area()) {
