@@ -113,23 +113,24 @@ impl Bins {
         self.end[axis][bin] += count;
     }
 
-    /// Bins `references`, in parallel where there are many. Maxima and integer sums do not depend
-    /// on how the work is cut up.
-    fn collect(references: &[Reference], put: impl Fn(&mut Self, &[Reference]) + Sync) -> Self {
+    /// Bins `all`, in parallel where there are at least two of `chunk`. Maxima and integer sums do not
+    /// depend on how the work is cut up.
+    pub(super) fn of<T: Sync>(
+        all: &[T],
+        chunk: usize,
+        put: impl Fn(&mut Self, &[T]) + Sync,
+    ) -> Self {
         let mut bins = Self::EMPTY;
-        if references.len() < 2 * CHUNK {
-            put(&mut bins, references);
+        if all.len() < 2 * chunk {
+            put(&mut bins, all);
             return bins;
         }
-        let parts = references.par_chunks(CHUNK).map(|chunk| {
+        let parts = all.par_chunks(chunk).map(|chunk| {
             let mut bins = Box::new(Self::EMPTY);
             put(&mut bins, chunk);
             bins
         });
-        parts
-            .reduce(|| Box::new(Self::EMPTY), |a, b| a.merge(&b))
-            .as_ref()
-            .clone()
+        *parts.reduce(|| Box::new(Self::EMPTY), |a, b| a.merge(&b))
     }
 
     fn merge(mut self: Box<Self>, other: &Self) -> Box<Self> {
@@ -201,7 +202,7 @@ pub(super) fn object(references: &[Reference], grid: &Grid) -> Option<Split> {
             }
         }
     };
-    let mut bins = Bins::collect(references, put);
+    let mut bins = Bins::of(references, CHUNK, put);
     bins.end = bins.begin;
     bins.best(grid.divides())
 }
@@ -235,5 +236,5 @@ pub(super) fn spatial(mesh: &Mesh, references: &[Reference], grid: &Grid) -> Opt
             }
         }
     };
-    Bins::collect(references, put).best(grid.divides())
+    Bins::of(references, CHUNK, put).best(grid.divides())
 }
