@@ -142,8 +142,17 @@ impl<'a> Task<'a> {
 /// Around twice the centres.
 fn centres(references: &[Reference]) -> Bounds {
     let around = |references: &[Reference]| {
-        let twice = references.iter().map(|r| r.bounds().twice_centre());
-        twice.fold(Bounds::EMPTY, Bounds::union)
+        let twice = |r: &Reference| r.bounds().twice_centre();
+        // Four chains of maxima, since each waits for the one before it.
+        let (fours, rest) = references.as_chunks::<4>();
+        let mut sums = [Bounds::EMPTY; 4];
+        for four in fours {
+            for (sum, one) in sums.iter_mut().zip(four) {
+                *sum = sum.union(twice(one));
+            }
+        }
+        let rest = rest.iter().map(twice).fold(Bounds::EMPTY, Bounds::union);
+        sums.into_iter().fold(rest, Bounds::union)
     };
     if references.len() < 2 * CHUNK {
         return around(references);
