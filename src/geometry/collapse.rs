@@ -8,6 +8,9 @@
 //! is decided takes 8 bytes a binary node while the tree is built. Each node's decision is a function
 //! of its subtree, so it does not matter which thread takes it.
 
+#[cfg(test)]
+mod tests_of_shares;
+
 use super::build::Binary;
 use huygens_kernels::bvh::{BLOCK, WIDTH};
 use obvhs::{aabb::Aabb, bvh2::node::Bvh2Node};

@@ -8,6 +8,7 @@
 
 use bytemuck::Pod;
 use memmap2::MmapMut;
+use rayon::prelude::*;
 use std::ops::{Deref, DerefMut};
 
 /// Smallest table that is worth it, in bytes: below, the translation look-aside buffers hold all of it
@@ -15,6 +16,8 @@ use std::ops::{Deref, DerefMut};
 const WORTH_IT: usize = 2 << 20;
 /// A large page.
 const PAGE: usize = 2 << 20;
+/// A page no larger than any that may be had in its place.
+const SMALL: usize = 4 << 10;
 
 /// A table of plain elements, in memory of its own where it is large.
 pub(super) struct Table<T>(Memory<T>);
@@ -45,6 +48,20 @@ impl<T: Pod> Table<T> {
                 drop(other);
                 Self::zeroed(len)
             }
+        }
+    }
+
+    /// Has the system clear the table's memory, on the current rayon pool, a large page a task: whoever
+    /// first writes to one has it cleared, and if two do at once, both do all the work.
+    pub(super) fn clear(&mut self)
+    where
+        T: Send,
+    {
+        if let Memory::Large(map, len) = &mut self.0 {
+            let first = before(map);
+            let bytes = &mut map[first..][..*len * size_of::<T>()];
+            let small = |page: &mut [u8]| page.iter_mut().step_by(SMALL).for_each(|byte| *byte = 0);
+            bytes.par_chunks_mut(PAGE).for_each(small);
         }
     }
 

@@ -11,6 +11,9 @@
 //! Leaves move whole, and splitting has filled them: on trees with one triangle a leaf reinsertion
 //! spoils the blocks.
 
+#[cfg(test)]
+mod tests_of_moves;
+
 use obvhs::{aabb::Aabb, bvh2::node::Bvh2Node};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};

@@ -29,7 +29,6 @@ mod tests_of_few_and_many;
 use super::{build::Binary, pages::Table};
 use crate::scene::Mesh;
 use bounds::Bounds;
-use bytemuck::Zeroable;
 use grown::{Grown, Run};
 use plan::Plan;
 use rayon::prelude::*;
@@ -44,8 +43,6 @@ use sweep::FEW;
 const OVERLAP: f32 = 1e-4;
 /// Depth from which on nodes are halved.
 const HALVE_FROM: u32 = 64;
-/// References on a page of 4 KiB.
-const PAGE: usize = 4096 / size_of::<Reference>();
 /// References from which on the halves of a node are built in parallel.
 const FORK: usize = 1 << 12;
 
@@ -59,15 +56,11 @@ pub(super) fn build(mesh: &Mesh, kept: &[u32], budget: f32) -> Binary {
     let room = kept.len() + (kept.len() as f32 * budget) as usize;
     let mut from = Table::<Reference>::zeroed(room);
     let mut to = Table::<Reference>::zeroed(room);
-    let pieces = from.par_chunks_mut(CHUNK).zip(to.par_chunks_mut(CHUNK));
-    let bounds = pieces
+    rayon::join(|| from.clear(), || to.clear());
+    let bounds = from
+        .par_chunks_mut(CHUNK)
         .zip(kept.par_chunks(CHUNK))
-        .map(|((from, to), kept)| {
-            // Whoever first writes to a page has it cleared, and if two do, twice: references will be
-            // written all over the other table by everybody.
-            to.iter_mut()
-                .step_by(PAGE)
-                .for_each(|first| *first = Reference::zeroed());
+        .map(|(from, kept)| {
             let mut bounds = Bounds::EMPTY;
             for (reference, &i) in from.iter_mut().zip(kept) {
                 let [a, b, c] = mesh.corners(i as usize).map(Bounds::point);
@@ -228,7 +221,8 @@ impl Builder<'_> {
     /// Builds a subtree whose root is `run.nodes[at]`.
     fn run(&self, mut task: Task, at: usize, run: &mut Run) {
         if task.valid.len() <= FEW {
-            return sweep::grow(&mut task.from[task.valid], task.bounds, at, run);
+            let spare = &mut task.to[..task.valid.len()];
+            return sweep::grow(&mut task.from[task.valid], spare, task.bounds, at, run);
         }
         if let Some(plan) = task.plan() {
             return self.run_plan(&plan, task.to, task.from, task.depth, at, run);

@@ -17,8 +17,15 @@ pub(super) const FEW: usize = 16;
 /// the area: they lie far apart. (More splits would gain hardly anything, and cost memory.)
 const SPREAD: f32 = 0.8;
 
-/// Builds the subtree over up to [`FEW`] references, at least one, with its root at `run.nodes[at]`.
-pub(super) fn grow(references: &mut [Reference], bounds: Bounds, at: usize, run: &mut Run) {
+/// Builds the subtree over up to [`FEW`] references, at least one, with its root at `run.nodes[at]`. What is
+/// in `spare`, which is as long, does not matter.
+pub(super) fn grow(
+    references: &mut [Reference],
+    spare: &mut [Reference],
+    bounds: Bounds,
+    at: usize,
+    run: &mut Run,
+) {
     let n = references.len();
     let split = (n > 1).then(|| sweep(references));
     if n <= BLOCK && split.is_none_or(|split| split.cost >= SPREAD * bounds.half_area()) {
@@ -28,19 +35,21 @@ pub(super) fn grow(references: &mut [Reference], bounds: Bounds, at: usize, run:
         return;
     }
     let Some(split) = split else { return };
-    let mut copy = [Reference::new(Bounds::EMPTY, 0); FEW];
-    copy[..n].copy_from_slice(references);
-    for (to, &from) in references.iter_mut().zip(&split.order) {
-        *to = copy[from as usize % FEW];
-    }
-    let around = |half: &[Reference]| {
-        let boxes = half.iter().map(|r| r.bounds());
-        boxes.fold(Bounds::EMPTY, Bounds::union)
+    let move_half = |half: &mut [Reference], order: &[u8]| {
+        let mut around = Bounds::EMPTY;
+        for (to, &from) in half.iter_mut().zip(order) {
+            *to = references[usize::from(from)];
+            around = around.union(to.bounds());
+        }
+        around
     };
+    let (low, high) = spare.split_at_mut(split.lower);
+    let (low_order, high_order) = split.order.split_at(split.lower);
+    let around = [move_half(low, low_order), move_half(high, high_order)];
     let first = run.fork(at, bounds);
-    let (low, high) = references.split_at_mut(split.lower);
-    grow(low, around(low), first, run);
-    grow(high, around(high), first + 1, run);
+    let (spare_low, spare_high) = references.split_at_mut(split.lower);
+    grow(low, spare_low, around[0], first, run);
+    grow(high, spare_high, around[1], first + 1, run);
 }
 
 /// A way to part at most [`FEW`] references.
