@@ -10,6 +10,7 @@ mod layout;
 mod motion;
 mod pages;
 mod ploc;
+mod reinsert;
 mod sbvh;
 #[cfg(test)]
 mod tests_of_presets;
