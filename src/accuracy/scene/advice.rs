@@ -276,3 +276,6 @@ fn share(part: f64) -> String {
 fn tidy(number: f64) -> f64 {
     (number * 1e9).round() / 1e9
 }
+
+#[cfg(test)]
+mod tests;
