@@ -82,6 +82,18 @@ pub enum Sampler {
     BlueNoise,
 }
 
+/// How finely images on surfaces are read. It decides about the image, not its noise alone: a footprint
+/// blurs what is smaller.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum TextureLod {
+    /// Averaged over the footprint of the ray that meets the surface
+    #[default]
+    Footprint,
+    /// The whole image, however far away
+    Finest,
+}
+
 /// How much work goes into the tree over the scene's triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -99,8 +111,8 @@ pub enum Preset {
 /// Everything that a render needs besides scene, geometry and film.
 ///
 /// The image depends on `integrator`, `strategy`, `light_selection`, `sampler`, `spp`, `max_depth`,
-/// `roulette`, `survival`, `split`, `seed` and `ao_distance`; never on `bvh`, `threads`, `wave` or
-/// `tile`.
+/// `roulette`, `survival`, `split`, `seed`, `texture_lod` and `ao_distance`; never on `bvh`, `threads`,
+/// `wave` or `tile`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
     /// What is computed for each sample.
@@ -127,6 +139,8 @@ pub struct Settings {
     pub split: Vec<u32>,
     /// Seed of the random numbers.
     pub seed: u32,
+    /// How finely images on surfaces are read. The integrator `reference` reads them at their finest.
+    pub texture_lod: TextureLod,
     /// Occlusion distance of `ao` in scene units; `None`: a tenth of the scene's diagonal.
     pub ao_distance: Option<f32>,
     /// How much work goes into the tree over the triangles.
@@ -152,6 +166,7 @@ impl Default for Settings {
             survival: SURVIVAL_GAIN,
             split: Vec::new(),
             seed: 0,
+            texture_lod: TextureLod::default(),
             ao_distance: None,
             bvh: Preset::default(),
             threads: 0,

@@ -151,6 +151,7 @@ max_depth = 8
 roulette = "aggressive"
 split = [2, 3]
 seed = 1
+texture_lod = "finest"
 ao_distance = 1.5
 bvh = "best"
 [sky]

@@ -165,6 +165,40 @@ fn refused(args: &[&str], message: &str) {
     assert_eq!(folder.path().read_dir().expect("a folder").count(), 0);
 }
 
+/// Every option that `--help` names and that integrals do not have.
+#[test]
+fn what_is_for_scenes_is_refused_for_integrals() {
+    let both = "--json --html --svg --budget --repetitions --quiet --samples --seed --help";
+    let help = huygens(folder().path(), &["--help"]).stdout;
+    let help = String::from_utf8(help).expect("text");
+    let options = help.lines().filter_map(|line| {
+        let line = line.trim_start();
+        let long = line.starts_with('-').then(|| line.find("--")).flatten();
+        long.map(|at| line[at..].split([' ', '[']).next().expect("a word"))
+    });
+    let options: Vec<&str> = options
+        .filter(|o| !both.split(' ').any(|b| b == *o))
+        .collect();
+    let values: std::collections::BTreeMap<&str, &str> = "--vary strategy --target-error 1% \
+        --reference a.exr --reference-error 1% --max-memory 1G --spp 1 --size 8x8 --max-depth 1 \
+        --integrator path --strategy mis --light-selection tree --sampler sobol --roulette on --split 2 \
+        --texture-lod finest --filter box --ao-distance 1 --bvh fast --threads 1 --wave 64 --tile 8"
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .chunks(2)
+        .map(|pair| (pair[0], pair[1]))
+        .collect();
+    assert_eq!(options.len(), values.len() + 2, "{options:?}");
+    for option in options {
+        let message = format!("error: {option} is for scenes, and pi is an integral\n");
+        // The two without a value are --no-cache and --strict.
+        match values.get(option) {
+            Some(value) => refused(&["pi", option, value], &message),
+            None => refused(&["pi", option], &message),
+        }
+    }
+}
+
 #[test]
 fn what_is_refused() {
     const MORE: &str = "\n\nFor more information, try '--help'.\n";

@@ -267,13 +267,19 @@ fn what_is_refused() {
         "error: only the integrators path and direct can be studied; the others have no choices\n",
     );
     refused(
+        "--ao-distance 1 --strict",
+        "warning: --ao-distance does nothing: the integrator is not ao\nerror: --strict makes the ",
+    );
+    refused("--max-memory 1k", "error: the scene needs about ");
+    refused(
         "--reference nothing.exr",
         "error: cannot read nothing.exr: ",
     );
     refused(
         "--vary colour",
         "error: invalid value 'colour' for '--vary <NAME,...>'\n  [possible values: strategy, \
-         sampler, combined, lights, depth, roulette, split, wave, precision, target]\n",
+         sampler, combined, lights, depth, roulette, split, textures, wave, precision, \
+         target]\n",
     );
     refused(
         "--target-error 2",

@@ -267,6 +267,43 @@ fn a_sampler_for_the_reference_does_nothing() {
     );
 }
 
+/// Of the scene, unless the option says otherwise; told where it is not the usual.
+#[test]
+fn the_level_of_images_is_that_of_the_option_or_of_the_scene_and_is_written_down() {
+    let folder = folder();
+    let scene = "[settings]\ntexture_lod = \"finest\"\n[[shapes]]\nobj = \"a.obj\"\n";
+    std::fs::write(folder.path().join("a.toml"), scene).expect("written");
+    for (option, name) in [
+        (None, "finest"),
+        (Some("footprint"), "footprint"),
+        (Some("finest"), "finest"),
+    ] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_huygens"));
+        command
+            .current_dir(folder.path())
+            .args(["render", "a.toml", "--size", "4x4", "--spp", "1"])
+            .args(["-o", "a.exr", "--stats", "a.json", "--quiet"])
+            .args(option.map(|name| ["--texture-lod", name]).iter().flatten());
+        let output = command.output().expect("huygens runs");
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        let stats = std::fs::read_to_string(folder.path().join("a.json")).expect("written");
+        let stats: serde_json::Value = serde_json::from_str(&stats).expect("JSON");
+        assert_eq!(stats["settings"]["texture_lod"], name);
+        let said =
+            exr(folder.path()).attributes["huygens.settings"].contains("--texture-lod finest");
+        assert_eq!(said, name == "finest");
+    }
+    let options = "-o a.png --integrator reference --texture-lod footprint";
+    let output = render(
+        folder.path(),
+        &options.split_whitespace().collect::<Vec<_>>(),
+    );
+    assert_eq!(
+        String::from_utf8_lossy(&output.stderr),
+        "warning: --texture-lod does nothing: the integrator reference reads images at their finest\n"
+    );
+}
+
 #[test]
 fn options_that_do_nothing_are_named() {
     let folder = folder();

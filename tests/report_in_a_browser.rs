@@ -64,7 +64,7 @@ said.one_hidden = visible().length === said.lines - 1;
 const slider = document.querySelector(".strip input");
 if (slider) {
   const cut = () => getComputedStyle(document.querySelector(".strip .truth")).clipPath;
-  said.hidden_at_first = cut();
+  said.half_at_first = cut();
   slider.value = 25;
   slider.dispatchEvent(new Event("input"));
   said.uncovered = cut();
@@ -72,6 +72,7 @@ if (slider) {
   said.reference = getComputedStyle(document.querySelector(".strip .truth")).backgroundImage.slice(0, 27);
 }
 said.requests = performance.getEntriesByType("resource").map((r) => r.name).filter((n) => !n.startsWith("data:"));
+said.sentences = all(".advice").map((p) => p.textContent).join(" ");
 said.wrong = window.wrong;
 const found = document.createElement("script");
 found.type = "application/json";
@@ -161,11 +162,13 @@ fn the_page_of_a_scene_works() {
     ] {
         assert_eq!(said[yes], true, "{yes}: {said}");
     }
+    let sentences = said["sentences"].as_str().expect("text");
+    assert!(sentences.contains(" reaches an error of 2% in "), "{said}");
     // The base, three more strategies, four depths.
     assert_eq!(said["lines"], 8, "{said}");
     assert_eq!(said["base_rows"], 1, "{said}");
     assert_eq!(said["images"], 8, "{said}");
-    assert_eq!(said["hidden_at_first"], "inset(0px 0px 0px 100%)");
+    assert_eq!(said["half_at_first"], "inset(0px 0px 0px 50%)");
     assert_eq!(said["uncovered"], "inset(0px 0px 0px 25%)");
     assert_eq!(said["reference"], "url(\"data:image/png;base64,");
     assert_eq!(said["requests"], serde_json::json!([]));

@@ -2,7 +2,7 @@
 
 mod scene_folder;
 
-use huygens::settings::Settings;
+use huygens::settings::{Settings, TextureLod};
 use scene_folder::Folder;
 
 fn settings(text: &str) -> Settings {
@@ -69,4 +69,19 @@ fn whitted_takes_one_sample() {
     assert_eq!(settings("integrator = \"whitted\"").spp, 1);
     assert_eq!(settings("integrator = \"whitted\"\nspp = 4").spp, 4);
     assert_eq!(settings("integrator = \"path\"").spp, 64);
+}
+
+#[test]
+fn images_are_read_by_footprint_or_at_their_finest() {
+    for (text, lod) in [
+        ("", TextureLod::Footprint),
+        ("texture_lod = \"footprint\"", TextureLod::Footprint),
+        ("texture_lod = \"finest\"", TextureLod::Finest),
+    ] {
+        assert_eq!(settings(text).texture_lod, lod, "{text}");
+    }
+    refused(
+        "texture_lod = \"best\"",
+        "s.toml:2:15: settings.texture_lod: unknown value `best`, expected `footprint` or `finest`",
+    );
 }

@@ -19,7 +19,8 @@
 //! it already, and what is blurred by more than the distance between so many samples is blurred
 //! twice (*PBRT* 4th ed., 10.1.2, narrows by the root of the samples, down to 1/8). A blur of a
 //! disc of half angle `a` changes what a matt surface collects by about `a^2 / 8` of the contrast,
-//! here 0.0005. At grazing angles the footprint is the cone's width, not the longer one across the
+//! here 0.0005. Where every image is to be read at its finest, the cone is none ([`Cone::NONE`]): of no
+//! width anywhere. At grazing angles the footprint is the cone's width, not the longer one across the
 //! surface: what it leaves out, the pixel's samples average.
 
 use crate::interpolate::{Interpolated, towards};
@@ -71,16 +72,25 @@ impl Relief {
     };
 }
 
-/// The cone of a camera's rays.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// How wide rays are.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
     /// Width at the camera, scene units.
     pub start: f32,
     /// By how much it grows over a distance of 1.
     pub spread: f32,
+    /// The square of what a scattered ray's grows by over a distance of 1, times the pdf of its direction.
+    pub scattered: f32,
 }
 
 impl Cone {
+    /// Rays without width.
+    pub const NONE: Self = Self {
+        start: 0.0,
+        spread: 0.0,
+        scattered: 0.0,
+    };
+
     /// The cone of rays of which neighbouring pixels' are `start` apart at the camera and diverge by
     /// `spread` radians.
     #[must_use]
@@ -89,6 +99,7 @@ impl Cone {
         Self {
             start: (start * share) as f32,
             spread: (spread * share) as f32,
+            scattered: 4.0 * INV_PI / SCATTERED_SAMPLES,
         }
     }
 
@@ -97,8 +108,7 @@ impl Cone {
     #[must_use]
     pub fn width(&self, t: Fx, pdf: Fx) -> Fx {
         let seen = t.mul_add(Fx::splat(self.spread), Fx::splat(self.start));
-        let disc = Fx::splat(4.0 * INV_PI / SCATTERED_SAMPLES);
-        seen.fast_max((disc / pdf).sqrt() * t)
+        seen.fast_max((Fx::splat(self.scattered) / pdf).sqrt() * t)
     }
 }
 
@@ -263,5 +273,8 @@ mod tests {
         assert!((matt - 12.5).abs() < 1e-4, "{matt}");
         // A narrow lobe leaves the camera's cone as it is.
         assert_eq!(width(cone, 100.0, 1e9), width(cone, 100.0, f32::INFINITY));
+        for pdf in [1e-30, INV_PI, f32::INFINITY] {
+            assert_eq!(width(Cone::NONE, 100.0, pdf), 0.0);
+        }
     }
 }

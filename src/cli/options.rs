@@ -5,7 +5,9 @@ use crate::cli::memory;
 use crate::cli::values::{self, Depth, Split};
 use clap::{Args, ValueEnum};
 use huygens::scene::{Filter, Scene};
-use huygens::settings::{Integrator, LightSelection, Preset, Sampler, Settings, Strategy};
+use huygens::settings::{
+    Integrator, LightSelection, Preset, Sampler, Settings, Strategy, TextureLod,
+};
 use std::path::PathBuf;
 
 /// The scene, and how strictly it is taken.
@@ -69,6 +71,10 @@ pub(crate) struct ImageOptions {
     /// Seed of the random numbers, 0 to 4294967295
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) seed: Option<u32>,
+
+    /// How finely images on surfaces are read
+    #[arg(long, value_name = "NAME")]
+    pub(crate) texture_lod: Option<TextureLod>,
 
     /// Pixel filter
     #[arg(long, value_name = "NAME")]
@@ -151,6 +157,7 @@ impl ImageOptions {
             s.split.clone_from(&split.0);
         }
         s.seed = self.seed.unwrap_or(s.seed);
+        s.texture_lod = self.texture_lod.unwrap_or(s.texture_lod);
         s.ao_distance = self.ao_distance.or(s.ao_distance);
     }
 
@@ -162,10 +169,12 @@ impl ImageOptions {
             ("--max-depth", self.max_depth.is_some()),
             ("--integrator", self.integrator.is_some()),
             ("--strategy", self.strategy.is_some()),
+            ("--light-selection", self.light_selection.is_some()),
             ("--sampler", self.sampler.is_some()),
             ("--roulette", self.roulette.is_some()),
             ("--split", self.split.is_some()),
             ("--seed", self.seed.is_some()),
+            ("--texture-lod", self.texture_lod.is_some()),
             ("--filter", self.filter.is_some()),
             ("--ao-distance", self.ao_distance.is_some()),
         ])
@@ -192,6 +201,8 @@ impl ImageOptions {
         let no_ao = self.ao_distance.is_some() && integrator != Integrator::Ao;
         let reference = self.sampler.is_some() && integrator == Integrator::Reference;
         let whitted = self.strategy.is_some() && integrator == Integrator::Whitted;
+        let whole =
+            self.texture_lod == Some(TextureLod::Footprint) && integrator == Integrator::Reference;
         let one_way = self.split.is_some()
             && (!integrator.is_transport() || integrator == Integrator::Reference);
         [
@@ -206,6 +217,10 @@ impl ImageOptions {
             (
                 whitted,
                 "--strategy does nothing: the integrator whitted samples lights alone",
+            ),
+            (
+                whole,
+                "--texture-lod does nothing: the integrator reference reads images at their finest",
             ),
             (
                 one_way,
@@ -263,6 +278,9 @@ pub(crate) fn as_options(scene: &Scene) -> String {
     );
     if !s.split.is_empty() {
         text += &format!(" --split {}", values::list(&s.split));
+    }
+    if s.texture_lod != TextureLod::default() {
+        text += &format!(" --texture-lod {}", name(s.texture_lod.to_possible_value()));
     }
     if let Some(distance) = s.ao_distance {
         text += &format!(" --ao-distance {distance}");

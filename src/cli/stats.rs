@@ -6,7 +6,7 @@ use crate::cli::until::UntilOptions;
 use huygens::effects::light_selection;
 use huygens::film::output::OutputError;
 use huygens::scene::{Filter, Scene};
-use huygens::settings::{Integrator, LightSelection, Preset, Sampler, Strategy};
+use huygens::settings::{Integrator, LightSelection, Preset, Sampler, Strategy, TextureLod};
 use huygens::wave::Dropped;
 use huygens::wave::{RenderStats, StageStats};
 use serde::Serialize;
@@ -78,6 +78,7 @@ struct SettingsStats {
     survival: f32,
     split: Vec<u32>,
     seed: u32,
+    texture_lod: TextureLod,
     ao_distance: Option<f32>,
     bvh: Preset,
     wave: usize,
@@ -176,6 +177,7 @@ impl Stats {
                 survival: s.survival,
                 split: s.split.clone(),
                 seed: s.seed,
+                texture_lod: s.texture_lod,
                 ao_distance: s.ao_distance,
                 bvh: s.bvh,
                 wave: s.wave,

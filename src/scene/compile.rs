@@ -267,6 +267,7 @@ fn settings(said: &description::Settings) -> Settings {
         survival: roulette.survival,
         split: said.split.as_ref().map_or(default.split, |s| s.0.clone()),
         seed: said.seed.map_or(default.seed, |n| n.0),
+        texture_lod: said.texture_lod.unwrap_or(default.texture_lod),
         ao_distance: said.ao_distance.map(|d| d.0 as f32).or(default.ao_distance),
         bvh: said.bvh.unwrap_or(default.bvh),
         ..default

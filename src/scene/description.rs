@@ -10,7 +10,7 @@ use super::values::{
     Positive, Radius, Turbidity, Unit,
 };
 use super::ways::{Roulette, Split};
-use crate::settings::{Integrator, LightSelection, Preset, Sampler, Strategy};
+use crate::settings::{Integrator, LightSelection, Preset, Sampler, Strategy, TextureLod};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use toml::Spanned;
@@ -193,6 +193,7 @@ pub(super) struct Settings {
     pub(super) roulette: Option<Roulette>,
     pub(super) split: Option<Split>,
     pub(super) seed: Option<Natural>,
+    pub(super) texture_lod: Option<TextureLod>,
     pub(super) ao_distance: Option<Positive>,
     pub(super) bvh: Option<Preset>,
 }

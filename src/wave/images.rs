@@ -4,6 +4,7 @@ use super::camera;
 use super::parameters::Parameters;
 use crate::scene::material::{Alpha, NormalMap, Relief};
 use crate::scene::{Bsdf, Material, Scene};
+use crate::settings::TextureLod;
 use huygens_kernels::images::{self, Cone, Images, SITES};
 use huygens_kernels::opacity::{Coordinates, Opacities, Opacity};
 use huygens_kernels::texture::{NO_TEXTURE, Texture, TextureUse, Textures};
@@ -30,7 +31,7 @@ pub(crate) struct ImageTables<'a> {
 impl<'a> ImageTables<'a> {
     /// The tables of what surfaces of `scene` read, by material; none if they read nothing and are
     /// wholly there.
-    pub(crate) fn new(scene: &'a Scene) -> Option<Self> {
+    pub(crate) fn new(scene: &'a Scene, lod: TextureLod) -> Option<Self> {
         let called_for = |m: &Material| m.alpha.is_some() || !m.textures().is_empty();
         if !scene.materials.iter().any(called_for) {
             return None;
@@ -44,7 +45,10 @@ impl<'a> ImageTables<'a> {
             amount: Vec::new(),
             emission: Vec::new(),
             opacity: Vec::new(),
-            cone: camera::cone(&scene.camera, &scene.film),
+            cone: match lod {
+                TextureLod::Footprint => camera::cone(&scene.camera, &scene.film),
+                TextureLod::Finest => Cone::NONE,
+            },
         };
         for material in &scene.materials {
             let mut images = Parameters::of(material).images.into_iter();

@@ -32,11 +32,11 @@ pub(crate) struct SceneTables<'a> {
 }
 
 impl<'a> SceneTables<'a> {
-    /// The tables of `scene`; of `settings`, how lights are sampled.
+    /// The tables of `scene`; of `settings`, how lights are sampled and images read.
     pub(crate) fn new(scene: &'a Scene, settings: &Settings) -> Self {
         let mut tables = Self {
             lights: LightTables::new(scene, settings),
-            images: ImageTables::new(scene),
+            images: ImageTables::new(scene, settings.texture_lod),
             media: effects::has_media(scene, settings).then(|| MediaTables::new(scene)),
             ..Self::default()
         };

@@ -11,7 +11,7 @@ const SCRIPT: &str = include_str!("script.js");
 pub struct Page {
     /// Its title.
     pub title: String,
-    /// Paragraphs under it: what it comes to.
+    /// Sentences under it: what it comes to, the first before all.
     pub summary: Vec<String>,
     /// What was measured, on what, how.
     pub facts: Vec<Fact>,
@@ -104,9 +104,7 @@ impl Page {
              </head>\n<body>\n<main>\n<h1>{0}</h1>\n",
             escape(&self.title)
         );
-        for paragraph in &self.summary {
-            let _ = writeln!(html, "<p class=\"advice\">{}</p>", escape(paragraph));
-        }
+        self.summary(&mut html);
         self.facts(&mut html);
         self.plots(&mut html);
         self.table(&mut html);
@@ -117,6 +115,21 @@ impl Page {
              </body>\n</html>\n"
         );
         html
+    }
+
+    fn summary(&self, html: &mut String) {
+        let [first, rest @ ..] = &self.summary[..] else {
+            return;
+        };
+        let _ = writeln!(html, "<p class=\"advice\">{}</p>", escape(first));
+        if rest.is_empty() {
+            return;
+        }
+        *html += "<ul class=\"advice\">\n";
+        for sentence in rest {
+            let _ = writeln!(html, "<li>{}</li>", escape(sentence));
+        }
+        *html += "</ul>\n";
     }
 
     fn facts(&self, html: &mut String) {
@@ -214,9 +227,9 @@ impl Page {
                 "<figure class=\"strip\"><div class=\"pair\" \
                  style=\"aspect-ratio: {width} / {height}\"><img alt=\"{name}\" src=\"{}\" \
                  width=\"{width}\" height=\"{height}\"><div class=\"truth\"></div></div>\
-                 <input type=\"range\" min=\"0\" max=\"100\" value=\"100\" \
+                 <input type=\"range\" min=\"0\" max=\"100\" value=\"50\" \
                  aria-label=\"{name} against the reference\">\
-                 <figcaption><b>{name}</b> {}</figcaption></figure>",
+                 <figcaption><b>{name}</b><br>{}</figcaption></figure>",
                 source(picture),
                 escape(&picture.caption)
             );

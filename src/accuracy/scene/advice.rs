@@ -1,15 +1,15 @@
 //! What the numbers of a study come to, in sentences.
 
-use super::{Cost, Family, SceneCurve, SceneStudy, Target};
+use super::{Cost, Family, SceneCurve, SceneStudy, Target, Verdict};
 
 /// Choices within this factor of each other are told as equals: what timing scatters on a machine
 /// that does other things too, and what few renders leave open of an error.
 const ALIKE: f64 = 1.15;
 
-/// A paragraph: which choice reaches the relative error `goal` soonest, what the others need, and what
+/// Sentences of a paragraph: which choice reaches the relative error `goal` soonest, what the others need, and what
 /// they cannot reach. `duration` writes seconds.
 #[must_use]
-pub fn advice(study: &SceneStudy, goal: f64, duration: impl Fn(f64) -> String) -> String {
+pub fn advice(study: &SceneStudy, goal: f64, duration: impl Fn(f64) -> String) -> Vec<String> {
     let percent = format!("{}%", tidy(100.0 * goal));
     let told = |c: Cost| match c {
         Cost::Measured(s) => duration(s),
@@ -63,23 +63,20 @@ pub fn advice(study: &SceneStudy, goal: f64, duration: impl Fn(f64) -> String) -
     sentences.extend(rays(study));
     sentences.extend(against_base(study, goal));
     sentences.extend(study.target.as_ref().map(|t| met(t, &duration)));
-    let mut text = String::new();
-    for sentence in sentences {
-        // A choice's name stays as it is.
-        let named = sentence
-            .split(' ')
-            .next()
-            .is_some_and(|word| word.contains('+'));
-        let mut letters = sentence.chars();
-        if let Some(first) = letters.next().filter(|_| !named) {
-            text.extend(first.to_uppercase());
-            text += letters.as_str();
-        } else {
-            text += &sentence;
-        }
-        text += ". ";
+    sentences.iter().map(|s| finished(s)).collect()
+}
+
+/// With a capital letter, but for the name of a choice, and a full stop.
+fn finished(sentence: &str) -> String {
+    let named = sentence
+        .split(' ')
+        .next()
+        .is_some_and(|word| word.contains('+'));
+    let mut letters = sentence.chars();
+    match letters.next().filter(|_| !named) {
+        Some(first) => format!("{}{}.", first.to_uppercase(), letters.as_str()),
+        None => format!("{sentence}."),
     }
-    text.trim_end().to_owned()
 }
 
 #[derive(PartialEq)]
@@ -98,6 +95,7 @@ fn kind(family: Family) -> Kind {
         Family::Depth
         | Family::Roulette
         | Family::Split
+        | Family::Textures
         | Family::Wave
         | Family::Precision
         | Family::Target => Kind::Other,
@@ -144,38 +142,56 @@ fn met(target: &Target, duration: &impl Fn(f64) -> String) -> String {
         target.samples,
         duration(target.seconds),
     );
-    if target.holds() {
-        return format!("{found}: the estimate holds");
-    }
     let percent = 100.0 * (target.ratio() - 1.0).abs();
     let way = if target.ratio() > 1.0 { "more" } else { "less" };
-    format!(
-        "{found}, {percent:.0}% {way} than estimated: half of the squared error lies in {} of the values, \
-         so few bright paths decide, and where none was met the estimate knows of none",
-        share(target.half_in)
-    )
+    let half = || {
+        let half = share(target.half_in);
+        format!("half of the squared error lies in {half} of the values")
+    };
+    let why = match target.verdict {
+        Verdict::Holds => return format!("{found}: the estimate holds"),
+        Verdict::Chance if target.renders == 1 => {
+            "one render does not tell how others scatter".into()
+        }
+        Verdict::Chance => format!("which {} renders may scatter by", target.renders),
+        Verdict::Reference => format!(
+            "but the reference's own error of {} is too much to judge by: --reference-error {}",
+            share(target.reference_error),
+            share(target.judge())
+        ),
+        Verdict::Safe => "which is on the safe side".into(),
+        Verdict::FewPaths => format!(
+            "{}, so few bright paths decide, and where none was met the estimate knows of none",
+            half()
+        ),
+        Verdict::Unexplained => format!("{}, which does not explain it", half()),
+    };
+    format!("{found}, {percent:.0}% {way} than estimated: {why}")
 }
 
 /// How the choices that concern one thing alone compare with the scene's own settings.
 fn against_base(study: &SceneStudy, goal: f64) -> Vec<String> {
-    let mut sentences = Vec::new();
+    let (mut cheaper, mut dearer, mut sentences) = (Vec::new(), Vec::new(), Vec::new());
     for curve in study.measured() {
         let name = &curve.curve.name;
         match (curve.family, curve.efficiency) {
             (Family::Roulette | Family::Split | Family::Wave, Some(e)) if e > ALIKE => {
-                sentences.push(format!("{name} is {} as efficient", times(e)));
+                cheaper.push(format!("{name} ({} as efficient)", times(e)));
             }
             (Family::Roulette | Family::Split | Family::Wave, Some(e)) if e < 1.0 / ALIKE => {
-                sentences.push(format!(
-                    "{name} costs {} as much for the same error",
-                    times(1.0 / e)
-                ));
+                dearer.push(format!("{name} ({} as long)", times(1.0 / e)));
             }
+            (Family::Textures, _) => sentences.extend(images(study, curve)),
             (Family::Precision, _) => sentences.extend(precision(study, curve, goal)),
             _ => {}
         }
     }
-    sentences
+    let told = |what: &str, names: &[String]| {
+        let names = names.join(", ");
+        (!names.is_empty()).then(|| format!("the same error takes {what} with {names}"))
+    };
+    let all = [told("less time", &cheaper), told("longer", &dearer)];
+    all.into_iter().flatten().chain(sentences).collect()
 }
 
 /// How many more rays branches cast for the same samples.
@@ -193,15 +209,31 @@ fn rays(study: &SceneStudy) -> Option<String> {
     (!all.is_empty()).then(|| format!("rays for the same samples: {}", all.join(", ")))
 }
 
+/// How far apart the two ways to read images are, and what the other costs.
+fn images(study: &SceneStudy, curve: &SceneCurve) -> Option<String> {
+    let cost = a_sample(curve)? / a_sample(study.curves.first()?)?;
+    let apart = match curve.bias() {
+        bias if bias > 0.0 => format!("differ from the scene's own by {}", share(bias)),
+        _ => "show the same to within the noise".to_owned(),
+    };
+    let name = &curve.curve.name;
+    Some(format!(
+        "{name} {apart} and take {} as long for the same samples",
+        times(cost)
+    ))
+}
+
+/// Seconds of a sample a pixel, on the last rung.
+fn a_sample(curve: &SceneCurve) -> Option<f64> {
+    let last = curve.curve.points.last()?.point;
+    Some(last.seconds / last.samples as f64)
+}
+
 /// What f64 costs: against the same strategy with the same kind of numbers where that was measured.
 fn precision(study: &SceneStudy, curve: &SceneCurve, goal: f64) -> Option<String> {
     let twin = study
         .measured()
         .find(|c| c.curve.name == "cosine+independent");
-    let sample = |c: &SceneCurve| {
-        let p = c.curve.points.last()?.point;
-        Some(p.seconds / p.samples as f64)
-    };
     let last = curve.curve.points.last()?;
     let agrees = if last.believed_bias_squared() > 0.0 {
         format!("differs from the wave by {}", share(curve.bias()))
@@ -209,7 +241,7 @@ fn precision(study: &SceneStudy, curve: &SceneCurve, goal: f64) -> Option<String
         "agrees with the wave to within the noise".to_owned()
     };
     let cost = twin
-        .and_then(|t| Some(sample(curve)? / sample(t)?))
+        .and_then(|t| Some(a_sample(curve)? / a_sample(t)?))
         .map_or_else(
             || {
                 let base = study.curves[0].cost_of(goal).seconds();
@@ -244,3 +276,6 @@ fn share(part: f64) -> String {
 fn tidy(number: f64) -> f64 {
     (number * 1e9).round() / 1e9
 }
+
+#[cfg(test)]
+mod tests;

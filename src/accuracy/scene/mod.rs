@@ -16,6 +16,7 @@ mod strips;
 mod study;
 mod target;
 mod truth;
+mod weight;
 
 pub use advice::advice;
 pub use choices::{Choice, Family, choices};
@@ -23,7 +24,7 @@ pub use cost::Cost;
 pub use measure::ScenePoint;
 pub use strips::{Strip, Strips, strips};
 pub use study::{SceneCurve, SceneStudy, study_scene};
-pub use target::{Target, meet_target};
+pub use target::{Target, Verdict, meet_target};
 pub use truth::{Truth, TruthError};
 
 use crate::estimate::{Rng, generator};

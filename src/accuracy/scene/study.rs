@@ -151,7 +151,8 @@ impl SceneCurve {
         // Where errors are independent of sample to sample, theory knows the slope; not where a
         // choice is biased.
         let independent = choice.settings.sampler == Sampler::Independent;
-        let slope = (independent && choice.family != Family::Depth).then_some(-0.5);
+        let biased = matches!(choice.family, Family::Depth | Family::Textures);
+        let slope = (independent && !biased).then_some(-0.5);
         Self {
             curve: Curve::new(&choice.name, &choice.what, slope),
             family: choice.family,

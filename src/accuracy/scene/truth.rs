@@ -1,5 +1,6 @@
 //! The reference image: given, cached, or made to a stated error.
 
+use super::weight::{over, weight};
 use super::{Stage, seed_of};
 use crate::accuracy::Picture;
 use crate::accuracy::difference::floor;
@@ -33,12 +34,16 @@ pub struct Truth {
     /// Mean absolute radiance over pixels and channels, positive.
     pub brightness: f64,
     /// What squared errors of each colour are multiplied with to be relative: `1 / (b^2 + m^2 / 100)`
-    /// with `b` the colour and `m` the brightness, as relMSE has it.
+    /// with `b` the colour and `m` the brightness, as relMSE has it, less what the colour's own noise adds
+    /// to that.
     pub weight: Vec<[f64; 3]>,
     /// Mean variance over pixels and channels; 0 if nothing is known.
     pub noise: f64,
-    /// The same of relative errors.
+    /// The same of relative errors, by these weights: what the reference adds to squares of errors.
     pub relative_noise: f64,
+    /// Its own relative error: the root mean square of its standard errors, each over what it measured;
+    /// 0 if unknown.
+    pub error: f64,
     /// Wall-clock seconds that it took, if it was made here.
     pub seconds: Option<f64>,
 }
@@ -75,13 +80,20 @@ impl Truth {
         if brightness <= 0.0 {
             return Err(TruthError::Black);
         }
-        let weight: Vec<[f64; 3]> =
-            weights(image.mean.iter().map(|p| p.map(f64::from)), brightness);
+        let floor = floor(brightness);
+        let colours = image.mean.iter().zip(&image.variance);
+        let of = |(b, v): (&[f32; 3], &[f32; 3])| {
+            [0, 1, 2].map(|c| weight(b[c].into(), v[c].into(), floor))
+        };
+        let weight: Vec<[f64; 3]> = colours.map(of).collect();
+        let values = || image.mean.as_flattened().iter().map(|&b| f64::from(b));
         let noise = || image.variance.as_flattened().iter().map(|&v| f64::from(v));
         let relative = noise().zip(weight.as_flattened()).map(|(v, w)| v * w);
+        let own = noise().zip(values()).map(|(v, b)| v * over(b, floor));
         Ok(Self {
             noise: mean(noise()),
             relative_noise: mean(relative),
+            error: mean(own).sqrt(),
             image,
             what,
             brightness,
@@ -126,7 +138,7 @@ impl Truth {
         let same = said("huygens.sceneHash").is_some_and(|h| h.as_str() == hash.as_str())
             && said("huygens.settings") == Some(&key(scene));
         let truth = Self::from_exr(exr, path.display().to_string(), scene).ok()?;
-        (same && truth.noise > 0.0 && truth.error() <= error).then_some(truth)
+        (same && truth.noise > 0.0 && truth.error <= error).then_some(truth)
     }
 
     /// Stores it for [`Truth::cached`].
@@ -200,13 +212,6 @@ impl Truth {
         Self::new(image, what, Some(start.elapsed().as_secs_f64()))
     }
 
-    /// Its own relative error: the root mean square of its standard errors, each weighed as an error
-    /// is; 0 if unknown.
-    #[must_use]
-    pub fn error(&self) -> f64 {
-        self.relative_noise.sqrt()
-    }
-
     /// Mean squared relative error of an image of its size, its own noise included.
     #[must_use]
     pub fn relative_mse(&self, rgb: &[[f32; 3]]) -> f64 {
@@ -239,16 +244,8 @@ fn variance(running: &Running) -> f64 {
 
 fn relative_error(sums: &[[Running; 3]]) -> f64 {
     let all = sums.as_flattened();
-    let brightness = mean(all.iter().map(|r| r.mean().abs()));
-    let weight = weights(sums.iter().map(|p| p.map(|c| c.mean())), brightness);
-    let noise = all.iter().zip(weight.as_flattened());
-    mean(noise.map(|(r, w)| variance(r) * w)).sqrt()
-}
-
-/// What makes squared errors of these colours relative.
-fn weights(colours: impl Iterator<Item = [f64; 3]>, brightness: f64) -> Vec<[f64; 3]> {
-    let floor = floor(brightness);
-    colours.map(|p| p.map(|b| 1.0 / (b * b + floor))).collect()
+    let floor = floor(mean(all.iter().map(|r| r.mean().abs())));
+    mean(all.iter().map(|r| variance(r) * over(r.mean(), floor))).sqrt()
 }
 
 fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
@@ -281,11 +278,12 @@ fn settings(stage: &Stage) -> Settings {
 fn key(scene: &Scene) -> String {
     let (film, s) = (&scene.film, &scene.settings);
     format!(
-        "reference of {}x{}, filter {:?}, integrator {:?}, depth {}",
+        "reference of {}x{}, filter {:?}, integrator {:?}, depth {}, images {:?}",
         film.width,
         film.height,
         film.filter,
         s.integrator,
-        s.max_depth.map_or("none".to_owned(), |d| d.to_string())
+        s.max_depth.map_or("none".to_owned(), |d| d.to_string()),
+        s.texture_lod,
     )
 }

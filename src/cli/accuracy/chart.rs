@@ -8,6 +8,11 @@ const SIZE: [usize; 2] = [72, 18];
 /// Marks of the guides, in order.
 const GUIDES: [char; 4] = ['.', ':', '-', '='];
 
+/// The letter that stands for a curve, in charts and tables.
+pub(crate) fn letter(index: usize) -> char {
+    char::from(b'a' + (index % 26) as u8)
+}
+
 /// Curves, and lines of known slopes that start together above the leftmost and highest point.
 #[derive(Clone, Debug)]
 pub(crate) struct Chart<'a> {
@@ -63,18 +68,18 @@ impl Chart<'_> {
         }
         // The highest row is the last.
         for (row, cells) in grid.iter().enumerate().rev() {
-            let label = axes[1].decade(row).map_or(String::new(), power);
+            let label = axes[1].label(row).unwrap_or_default();
             let line: String = cells.iter().collect();
             let _ = writeln!(text, "{label:>6} |{}", line.trim_end());
         }
         let mut labels = String::new();
         for column in 0..SIZE[0] {
-            if let Some(decade) = axes[0].decade(column).filter(|_| labels.len() <= column) {
+            if let Some(label) = axes[0].label(column).filter(|_| labels.len() <= column) {
                 let _ = write!(
                     labels,
                     "{:column$}{} ",
                     "",
-                    power(decade),
+                    label,
                     column = column - labels.len()
                 );
             }
@@ -91,10 +96,6 @@ impl Chart<'_> {
         }
         text
     }
-}
-
-fn power(decade: i32) -> String {
-    format!("1e{decade}")
 }
 
 /// One axis: cell 0 is centred on `low`, the last on `high`.
@@ -126,6 +127,16 @@ impl Axis {
         (0.0..self.cells as f64)
             .contains(&cell)
             .then_some(cell as usize)
+    }
+
+    /// What stands at a cell: a power of ten; where the axis has none, the values at its ends.
+    fn label(&self, cell: usize) -> Option<String> {
+        if let Some(decade) = self.decade(cell) {
+            return Some(format!("1e{decade}"));
+        }
+        let end = cell == 0 || cell + 1 == self.cells;
+        let none = end && (0..self.cells).all(|c| self.decade(c).is_none());
+        none.then(|| format!("{:.1e}", 10f64.powf(self.value(cell))))
     }
 
     /// The power of ten whose cell this is.
@@ -161,6 +172,16 @@ mod tests {
         assert_eq!(lines[9].rfind('.'), Some(8 + 70));
         assert!(!lines[10].contains('.'));
         assert_eq!(lines[21], "        ... slope -0.50");
+    }
+
+    #[test]
+    fn an_axis_within_a_decade_has_its_ends() {
+        let axis = Axis::over([0.002f64, 0.008].map(f64::log10).into_iter(), 10);
+        let labels: Vec<_> = (0..10).filter_map(|cell| axis.label(cell)).collect();
+        assert_eq!(labels, ["2.0e-3", "8.0e-3"]);
+        let axis = Axis::over([0.002f64, 0.08].map(f64::log10).into_iter(), 10);
+        let labels: Vec<_> = (0..10).filter_map(|cell| axis.label(cell)).collect();
+        assert_eq!(labels, ["1e-2"]);
     }
 
     #[test]

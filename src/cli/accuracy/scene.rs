@@ -46,7 +46,8 @@ pub(super) struct Done<'a> {
     pub(super) target_error: f64,
     pub(super) study: &'a SceneStudy,
     pub(super) strips: Option<Strips>,
-    pub(super) advice: String,
+    /// Sentences.
+    pub(super) advice: Vec<String>,
     pub(super) threads: usize,
     /// `complete`, `budget` or `interrupted`.
     pub(super) ended: &'static str,
@@ -210,12 +211,12 @@ fn truth(args: &Args, scene: &Path, stage: &Stage, start: Instant) -> Result<Tru
     }
     let deadline = args.budget.map(|b| start + b.mul_f64(REFERENCE));
     let truth = Truth::make(stage, error, deadline).map_err(wrong)?;
-    if truth.error() > error {
+    if truth.error > error {
         warn(
             &[format!(
                 "the reference was stopped at an error of {:.2}%, short of {:.2}%: its noise is \
                  taken out of the errors, as far as it is known",
-                100.0 * truth.error(),
+                100.0 * truth.error,
                 100.0 * error
             )],
             false,

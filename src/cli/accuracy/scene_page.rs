@@ -2,7 +2,7 @@
 
 use super::pages::{columns, facts, slope};
 use super::scene::Done;
-use super::scene_table::{cost, percent, rays};
+use super::scene_table::{cost, efficiency, percent, rays};
 use crate::cli::failure::Failure;
 use crate::cli::options::as_options;
 use crate::cli::summary::plural;
@@ -16,7 +16,7 @@ pub(super) fn page(done: &Done) -> Result<Page, Failure> {
     let truth = done.truth;
     let film = &done.scene.film;
     let noise = if truth.noise > 0.0 {
-        format!("; its own error is {}", percent(truth.error()))
+        format!("; its own error is {}", percent(truth.error))
     } else {
         String::new()
     };
@@ -24,7 +24,7 @@ pub(super) fn page(done: &Done) -> Result<Page, Failure> {
         |name: &str, axes: [&str; 2], at: fn(&SceneCurve, usize) -> [f64; 2], guides: &[f64]| {
             Plot {
                 name: name.into(),
-                title: format!("{} against {}", axes[1], axes[0]),
+                title: format!("{} against {}", axes[1].trim_end_matches(" in %"), axes[0]),
                 axes: axes.map(str::to_owned),
                 lines: done.study.measured().map(|c| line(c, at)).collect(),
                 guides: guides.to_vec(),
@@ -32,7 +32,7 @@ pub(super) fn page(done: &Done) -> Result<Page, Failure> {
         };
     let mut page = Page {
         title: format!("What accuracy costs: {}", done.scene.name),
-        summary: vec![done.advice.clone()],
+        summary: done.advice.clone(),
         facts: facts(&[
             ("scene", done.file.display().to_string()),
             ("settings", as_options(done.scene)),
@@ -52,17 +52,22 @@ pub(super) fn page(done: &Done) -> Result<Page, Failure> {
         plots: vec![
             plot(
                 "error-time",
-                ["seconds of a render", "Relative error"],
-                |c, i| [c.curve.points[i].point.seconds, c.curve.points[i].error],
+                ["seconds of a render", "Relative error in %"],
+                |c, i| {
+                    [
+                        c.curve.points[i].point.seconds,
+                        100.0 * c.curve.points[i].error,
+                    ]
+                },
                 &[-0.5],
             ),
             plot(
                 "error-samples",
-                ["samples a pixel", "Relative error"],
+                ["samples a pixel", "Relative error in %"],
                 |c, i| {
                     [
                         c.curve.points[i].point.samples as f64,
-                        c.curve.points[i].error,
+                        100.0 * c.curve.points[i].error,
                     ]
                 },
                 &[-0.5],
@@ -175,7 +180,7 @@ fn row(curve: &SceneCurve, done: &Done) -> Option<Vec<Cell>> {
             },
         ),
         slope(curve.curve.slope),
-        known(curve.efficiency, |v| format!("{v:.2}")),
+        known(curve.efficiency, efficiency),
         Cell::number(goal.seconds(), cost(goal)),
     ])
 }

@@ -1,6 +1,6 @@
 //! A study of a scene for people: a line for each choice, a chart, the advice.
 
-use super::chart::{Chart, Series};
+use super::chart::{Chart, Series, letter};
 use super::scene::Done;
 use crate::cli::summary::plural;
 use crate::cli::text::{duration, si};
@@ -22,7 +22,7 @@ pub(super) fn text(done: &Done) -> String {
         plural(done.threads as u64, "thread"),
         done.truth.what,
         if done.truth.noise > 0.0 {
-            percent(done.truth.error())
+            percent(done.truth.error)
         } else {
             "not known, and taken to be 0".into()
         },
@@ -48,7 +48,7 @@ pub(super) fn text(done: &Done) -> String {
     text.push('\n');
     text += &chart(done);
     text.push('\n');
-    text += &wrapped(&done.advice);
+    text += &wrapped(&done.advice.join(" "));
     if done.ended != "complete" {
         let _ = writeln!(
             text,
@@ -69,9 +69,7 @@ fn line(text: &mut String, letter: char, curve: &SceneCurve, done: &Done) {
         let _ = writeln!(text, "{letter} {:<21} not reached", curve.curve.name);
         return;
     };
-    let known = |v: Option<f64>, decimals: usize| {
-        v.map_or_else(|| "?".to_owned(), |v| format!("{v:.decimals$}"))
-    };
+    let known = |v: Option<f64>, text: fn(f64) -> String| v.map_or_else(|| "?".to_owned(), text);
     let interval = curve
         .curve
         .slope_interval
@@ -84,8 +82,8 @@ fn line(text: &mut String, letter: char, curve: &SceneCurve, done: &Done) {
         duration(last.point.seconds),
         rays(last.rays),
         percent(last.error),
-        known(curve.curve.slope, 3),
-        known(curve.efficiency, 2),
+        known(curve.curve.slope, |s| format!("{s:.3}")),
+        known(curve.efficiency, efficiency),
         cost(curve.cost_of(done.target_error))
     );
 }
@@ -93,6 +91,16 @@ fn line(text: &mut String, letter: char, curve: &SceneCurve, done: &Done) {
 /// A number of rays, if they were counted.
 pub(super) fn rays(rays: Option<u64>) -> String {
     rays.map_or("?".into(), |n| si(n as f64).trim_end().to_owned())
+}
+
+/// An efficiency: two decimals, and more where those would say nothing.
+pub(super) fn efficiency(ratio: f64) -> String {
+    let decimals = match ratio {
+        r if r >= 0.095 => 2,
+        r if r >= 0.0095 => 3,
+        _ => 4,
+    };
+    format!("{ratio:.decimals$}")
 }
 
 /// What an error costs, in a word: `~` where it lies off the ladder.
@@ -114,10 +122,6 @@ pub(super) fn percent(share: f64) -> String {
         _ => 0,
     };
     format!("{percent:.decimals$}%")
-}
-
-fn letter(index: usize) -> char {
-    char::from(b'a' + (index % 26) as u8)
 }
 
 fn legend(done: &Done) -> String {
@@ -191,6 +195,15 @@ mod tests {
     fn shares_have_three_digits() {
         let texts = [0.000_123, 0.0123, 0.0999, 0.123, 1.0, 12.3].map(percent);
         assert_eq!(texts, ["0.01%", "1.23%", "9.99%", "12.3%", "100%", "1230%"]);
+    }
+
+    #[test]
+    fn small_efficiencies_are_told_too() {
+        let texts = [12.3, 1.0, 0.1, 0.0123, 0.00123, 0.0].map(efficiency);
+        assert_eq!(
+            texts,
+            ["12.30", "1.00", "0.10", "0.012", "0.0012", "0.0000"]
+        );
     }
 
     #[test]

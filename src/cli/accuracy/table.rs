@@ -1,6 +1,6 @@
 //! A study for people: error and time at each rung, the slopes, two charts.
 
-use super::chart::{Chart, Series};
+use super::chart::{Chart, Series, letter};
 use crate::cli::text::{duration, si};
 use huygens::accuracy::{Curve, Ladder, Point, Problem, Study};
 use std::fmt::Write;
@@ -38,11 +38,6 @@ fn samples(point: &Point) -> f64 {
 
 fn seconds(point: &Point) -> f64 {
     point.seconds
-}
-
-/// The letter that stands for a curve.
-fn letter(index: usize) -> char {
-    char::from(b'a' + (index % 26) as u8)
 }
 
 /// A line for each rung; error and time for each curve.

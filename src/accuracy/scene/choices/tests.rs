@@ -1,6 +1,7 @@
 //! Choices are as many as scenes have, each once.
 
 use super::*;
+use crate::settings::{Strategy, TextureLod};
 use std::collections::BTreeSet;
 
 fn scene(change: impl FnOnce(&mut Settings)) -> Scene {
@@ -41,6 +42,15 @@ fn the_base_comes_first_and_is_not_repeated() {
 fn depths_stay_below_the_scenes_own() {
     let names = names(&scene(|s| s.max_depth = Some(4)), &[Family::Depth]);
     assert_eq!(names, ["mis+sobol", "max depth 1", "max depth 2"]);
+}
+
+#[test]
+fn images_are_read_in_the_other_way_where_there_are_any() {
+    let of = |name, change: fn(&mut Settings)| names(&shipped(name, change), &[Family::Textures]);
+    assert_eq!(of("cornell-box", |_| ()), ["mis+sobol"]);
+    assert_eq!(of("textures", |_| ()), ["mis+sobol", "finest images"]);
+    let finest = of("textures", |s| s.texture_lod = TextureLod::Finest);
+    assert_eq!(finest, ["mis+sobol", "images by footprint"]);
 }
 
 #[test]
