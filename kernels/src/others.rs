@@ -93,7 +93,8 @@ static HOME: Instance = {
         material: OWN_MATERIAL,
         root: 0,
         motion: STILL,
-        spare: [0; 6],
+        extent: 0.0,
+        spare: [0; 5],
     }
 };
 

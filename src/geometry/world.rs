@@ -1,10 +1,12 @@
-//! A world of two levels: a tree an object, one over the world's own triangles, and the tree over
-//! all of that and the spheres (`top.rs`), in the tables that `kernels/src/levels.rs` walks.
+//! A world of two levels: a tree an object, one over those of the world's own triangles that are not wholly
+//! there, and the tree over all of that and the spheres (`top.rs`), in the tables that
+//! `kernels/src/levels.rs` walks.
 
 use super::layout::Layout;
 use super::motion::swept;
 use super::top::{Item, Top};
-use crate::scene::{Motion, Placement, Scene};
+use crate::scene::{Mesh, Motion, Placement, Scene};
+use crate::settings::Preset;
 use glam::{DVec3, Vec3A};
 use huygens_kernels::bvh::{Bvh, LEAF, NOTHING, Node, index, leaf};
 use huygens_kernels::instance::{Guide, Instance, OWN_MATERIAL};
@@ -18,6 +20,10 @@ use obvhs::aabb::Aabb;
 pub(super) struct World {
     root: u32,
     own_root: u32,
+    /// Most nodes on a way from the root through an object.
+    depth: usize,
+    /// Whether there is a tree of the world's own triangles besides.
+    pub(super) has_own: bool,
     aabb: Option<Aabb>,
     blocks: Vec<SphereBlock>,
     /// By rising number of the first triangle.
@@ -36,21 +42,32 @@ struct Rooted {
 }
 
 impl World {
-    /// Puts the trees of a scene's objects, and the one over everything, behind `own`, the tree of
-    /// its own triangles with its box. `tree` builds the tree of an object.
+    /// Puts the trees of a scene's objects, that of those of its own triangles that are not wholly there
+    /// (`cut`), and the one over all that, behind `own`, the tree of its other triangles with its box. `tree`
+    /// builds the tree of an object.
     ///
     /// # Panics
-    /// If hits cannot be numbered with 32 bits: a compiled scene promises it.
+    /// If hits cannot be numbered with 32 bits: a compiled scene promises it. On more than 2^30 blocks.
     pub(super) fn new(
         scene: &Scene,
         own: &mut Layout,
         own_box: Option<Aabb>,
+        cut: Option<(Layout, Aabb)>,
         tree: impl Fn(usize) -> Option<(Layout, Aabb)>,
     ) -> Self {
-        let own_root = Rooted::own(own_box);
+        let mut below = 0;
+        let mut behind = |(layout, aabb): (Layout, Aabb)| {
+            below = below.max(layout.depth);
+            Rooted::behind(own, &layout, aabb)
+        };
         let objects: Vec<Option<Rooted>> = (0..scene.objects.len())
-            .map(|i| tree(i).map(|(layout, aabb)| Rooted::behind(own, &layout, aabb)))
+            .map(|i| tree(i).map(&mut behind))
             .collect();
+        let cut = cut.map(behind);
+        assert!(
+            own.blocks.len() <= levels::DOOR as usize,
+            "at most 2^30 blocks"
+        );
         let mut first = (scene.mesh.triangles() + scene.spheres.len()) as u64;
         let (mut instances, mut items) = (Vec::new(), Vec::new());
         let mut motions = Vec::new();
@@ -85,15 +102,16 @@ impl World {
                 material: instance.material.unwrap_or(OWN_MATERIAL),
                 root: *root,
                 motion,
-                spare: [0; 6],
+                extent: own.nodes[*root as usize].extent(),
+                spare: [0; 5],
             });
             first += scene.objects[object].mesh.triangles() as u64;
         }
         let end = u32::try_from(first).expect("hits are numbered with 32 bits");
         let guide = Guide::new(&instances, end);
-        if let Some(own) = &own_root {
+        if let Some(cut) = &cut {
             items.push(Item {
-                aabb: own.aabb,
+                aabb: cut.aabb,
                 is_sphere: false,
             });
         }
@@ -105,10 +123,13 @@ impl World {
         }));
         let mut world = Self {
             root: NOTHING,
-            own_root: own_root.map_or(NOTHING, |own| own.root),
+            own_root: cut.map_or(NOTHING, |cut| cut.root),
+            depth: 0,
+            has_own: own_box.is_some(),
             aabb: items
                 .iter()
                 .map(|item| item.aabb)
+                .chain(own_box)
                 .reduce(|a, b| a.union(&b)),
             blocks: Vec::new(),
             instances,
@@ -137,6 +158,7 @@ impl World {
             }
         });
         own.depth += depth;
+        world.depth = below + depth;
         let first = own.nodes.len() as u32;
         let blocks = world.blocks.len();
         own.nodes.extend(nodes.into_iter().map(|mut node| {
@@ -161,6 +183,7 @@ impl World {
             bvh,
             root: self.root,
             own_root: self.own_root,
+            depth: self.depth,
             spheres: &self.blocks,
             instances: &self.instances,
             motions: &self.motions,
@@ -181,10 +204,6 @@ impl World {
 }
 
 impl Rooted {
-    fn own(aabb: Option<Aabb>) -> Option<Self> {
-        aabb.map(|aabb| Self { root: 0, aabb })
-    }
-
     /// Puts a tree behind others.
     fn behind(all: &mut Layout, tree: &Layout, aabb: Aabb) -> Self {
         let (root, block) = (all.nodes.len() as u32, all.blocks.len());
@@ -203,6 +222,51 @@ impl Rooted {
         all.triangles += tree.triangles;
         all.depth = all.depth.max(tree.depth);
         Self { root, aabb }
+    }
+}
+
+/// Some triangles of a mesh, as a mesh.
+pub(super) struct Part {
+    pub(super) mesh: Mesh,
+    /// What they are in the whole, rising.
+    pub(super) numbers: Vec<u32>,
+}
+
+impl Part {
+    /// The triangles that wear a material of the `kept`.
+    pub(super) fn new(whole: &Mesh, kept: impl Fn(&u32) -> bool) -> Self {
+        let worn = whole.material.iter().enumerate();
+        let numbers: Vec<u32> = worn
+            .filter(|(_, m)| kept(m))
+            .map(|(i, _)| i as u32)
+            .collect();
+        let mut places = vec![NOTHING; whole.vertices.len()];
+        let mut mesh = Mesh::default();
+        for &i in &numbers {
+            let place = |vertex: u32| {
+                let place = &mut places[vertex as usize];
+                if *place == NOTHING {
+                    *place = mesh.vertices.len() as u32;
+                    mesh.vertices.push(whole.vertices[vertex as usize]);
+                }
+                *place
+            };
+            let corners = whole.indices[i as usize].map(place);
+            mesh.indices.push(corners);
+            mesh.material.push(whole.material[i as usize]);
+        }
+        Self { mesh, numbers }
+    }
+
+    /// Their tree, with the whole's numbers, and its box; none over nothing.
+    pub(super) fn tree(&self, preset: Preset) -> Option<(Layout, Aabb)> {
+        let (mut layout, aabb) = super::tree(&self.mesh, preset)?;
+        for block in &mut layout.blocks[..] {
+            for name in block.primitive.as_mut_array() {
+                *name = self.numbers[*name as usize];
+            }
+        }
+        Some((layout, aabb))
     }
 }
 
