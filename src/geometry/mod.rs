@@ -11,6 +11,7 @@ mod few;
 mod layout;
 mod motion;
 mod pages;
+mod part;
 mod ploc;
 mod sbvh;
 #[cfg(test)]
@@ -32,7 +33,8 @@ use huygens_kernels::sphere::Sphere;
 use huygens_kernels::{many, packet};
 use layout::Layout;
 use obvhs::aabb::Aabb;
-use world::{Part, World};
+use part::Part;
+use world::World;
 
 /// The acceleration structure over a mesh.
 #[derive(Debug, Default)]

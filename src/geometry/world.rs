@@ -2,12 +2,14 @@
 //! there, and the tree over all of that and the spheres (`top.rs`), in the tables that
 //! `kernels/src/levels.rs` walks.
 
+mod boxes;
+
 use super::layout::Layout;
 use super::motion::swept;
 use super::top::{Item, Top};
-use crate::scene::{Mesh, Motion, Placement, Scene};
-use crate::settings::Preset;
-use glam::{DVec3, Vec3A};
+use crate::scene::{Motion, Placement, Scene};
+pub(super) use boxes::outwards;
+use boxes::{around, parts, placed};
 use huygens_kernels::bvh::{Bvh, LEAF, NOTHING, Node, index, leaf};
 use huygens_kernels::instance::{Guide, Instance, OWN_MATERIAL};
 use huygens_kernels::levels;
@@ -35,10 +37,11 @@ pub(super) struct World {
     pub(super) spheres: Vec<Sphere>,
 }
 
-/// A tree among others: where its root is, and its box.
+/// A tree among others: where its root is, its box, and the boxes two levels below.
 struct Rooted {
     root: u32,
     aabb: Aabb,
+    parts: Vec<Aabb>,
 }
 
 impl World {
@@ -73,7 +76,7 @@ impl World {
         let mut motions = Vec::new();
         for instance in &scene.instances {
             let object = instance.object as usize;
-            let Some(Rooted { root, aabb }) = &objects[object] else {
+            let Some(Rooted { root, aabb, parts }) = &objects[object] else {
                 continue;
             };
             let Placement {
@@ -82,7 +85,7 @@ impl World {
                 origin,
             } = instance.placement;
             let (motion, aabb) = match &instance.motion {
-                None => (STILL, placed(aabb, &instance.placement)),
+                None => (STILL, placed(parts, &instance.placement)),
                 Some(motion) => {
                     motions.push(*motion);
                     let moves = swept(aabb, &instance.placement, motion);
@@ -221,52 +224,11 @@ impl Rooted {
         all.blocks.extend(tree.blocks.iter().copied());
         all.triangles += tree.triangles;
         all.depth = all.depth.max(tree.depth);
-        Self { root, aabb }
-    }
-}
-
-/// Some triangles of a mesh, as a mesh.
-pub(super) struct Part {
-    pub(super) mesh: Mesh,
-    /// What they are in the whole, rising.
-    pub(super) numbers: Vec<u32>,
-}
-
-impl Part {
-    /// The triangles that wear a material of the `kept`.
-    pub(super) fn new(whole: &Mesh, kept: impl Fn(&u32) -> bool) -> Self {
-        let worn = whole.material.iter().enumerate();
-        let numbers: Vec<u32> = worn
-            .filter(|(_, m)| kept(m))
-            .map(|(i, _)| i as u32)
-            .collect();
-        let mut places = vec![NOTHING; whole.vertices.len()];
-        let mut mesh = Mesh::default();
-        for &i in &numbers {
-            let place = |vertex: u32| {
-                let place = &mut places[vertex as usize];
-                if *place == NOTHING {
-                    *place = mesh.vertices.len() as u32;
-                    mesh.vertices.push(whole.vertices[vertex as usize]);
-                }
-                *place
-            };
-            let corners = whole.indices[i as usize].map(place);
-            mesh.indices.push(corners);
-            mesh.material.push(whole.material[i as usize]);
+        Self {
+            root,
+            aabb,
+            parts: parts(&tree.nodes),
         }
-        Self { mesh, numbers }
-    }
-
-    /// Their tree, with the whole's numbers, and its box; none over nothing.
-    pub(super) fn tree(&self, preset: Preset) -> Option<(Layout, Aabb)> {
-        let (mut layout, aabb) = super::tree(&self.mesh, preset)?;
-        for block in &mut layout.blocks[..] {
-            for name in block.primitive.as_mut_array() {
-                *name = self.numbers[*name as usize];
-            }
-        }
-        Some((layout, aabb))
     }
 }
 
@@ -275,30 +237,4 @@ fn in_kernels(sphere: &crate::scene::Sphere) -> Sphere {
         centre: sphere.centre,
         radius: sphere.radius,
     }
-}
-
-/// Rounded outwards from f64: to the next f32 of what the cast has rounded to the nearest, and that
-/// of one more for the rounding of the f64.
-pub(super) fn outwards(low: DVec3, high: DVec3) -> Aabb {
-    let low = low.to_array().map(|c| (c as f32).next_down().next_down());
-    let high = high.to_array().map(|c| (c as f32).next_up().next_up());
-    Aabb::new(Vec3A::from_array(low), Vec3A::from_array(high))
-}
-
-fn around(sphere: &Sphere) -> Aabb {
-    let centre = DVec3::from_array(sphere.centre.map(f64::from));
-    let radius = DVec3::splat(sphere.radius.into());
-    outwards(centre - radius, centre + radius)
-}
-
-/// The box around the image of a box: of each axis the sum of its edges' images (J. Arvo,
-/// "Transforming Axis-Aligned Bounding Boxes", *Graphics Gems*, 1990).
-fn placed(aabb: &Aabb, placement: &Placement) -> Aabb {
-    let map = placement.map();
-    let (low, high) = (aabb.min.as_dvec3(), aabb.max.as_dvec3());
-    let centre = map.transform_point3(0.5 * (low + high));
-    let half = 0.5 * (high - low);
-    let m = map.matrix3;
-    let reach = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
-    outwards(centre - reach, centre + reach)
 }

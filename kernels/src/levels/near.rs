@@ -180,7 +180,7 @@ impl Near {
         }
         let time = times.map_or(Ux::ZERO, |times| words_of(times, i));
         let ([ox, oy, oz], [dx, dy, dz]) = (origin, direction);
-        let ray = [ox, oy, oz, dx, dy, dz].map(|x| bytemuck::cast(x));
+        let ray = [ox, oy, oz, dx, dy, dz].map(bytemuck::cast);
         let kept = Kept::new(met);
         let all = [iota(i as u32), time];
         let all = all.into_iter().chain(ray).chain(words);
