@@ -53,11 +53,16 @@ enum What {
 }
 
 /// One child of a wide node.
+#[derive(Clone, Copy)]
 struct Child {
-    aabb: Aabb,
+    /// Of its box.
+    area: f32,
     what: What,
     is_leaf: bool,
 }
+
+/// The children of a wide node, so many of them.
+type Children = ([Child; WIDTH], usize);
 
 /// A run of triangles, and the box around them.
 struct Run {
@@ -148,17 +153,17 @@ impl Part {
         mut below: impl FnMut(Pending),
     ) {
         self.depth = self.depth.max(depth);
-        let mut children = match what {
+        let (mut children, n) = match what {
             What::Tree(node) if depth < BALANCE_FROM => as_collapsed(collapse, node),
             _ => self.evenly(mesh, collapse, what),
         };
         // An occlusion query visits the highest slot first. A ray that enters a small box is more
         // likely to end there, and sooner, than in a large one.
-        let area = |child: &Child| child.aabb.half_area();
-        children.sort_by(|a, b| area(b).total_cmp(&area(a)));
+        let children = &mut children[..n];
+        children.sort_by(|a, b| b.area.total_cmp(&a.area));
         let first = self.children.len();
         for child in children {
-            let area = f64::from(child.aabb.half_area());
+            let area = f64::from(child.area);
             let reference = if child.is_leaf {
                 self.cost += area * f64::from(BLOCK_COST);
                 self.blocks += 1;
@@ -180,44 +185,51 @@ impl Part {
     }
 
     /// Eight equal runs of the triangles below, in the order of the tree.
-    fn evenly(&mut self, mesh: &Mesh, collapse: &Collapse, what: What) -> Vec<Child> {
-        let run = match what {
+    fn evenly(&mut self, mesh: &Mesh, collapse: &Collapse, what: What) -> Children {
+        let triangles = match what {
             What::Run(run) => std::mem::take(&mut self.runs[run as usize].triangles),
             What::Tree(node) => {
-                let mut run = Vec::new();
-                collapse.triangles(node, &mut run);
-                run
+                let mut triangles = Vec::new();
+                collapse.triangles(node, &mut triangles);
+                triangles
             }
         };
-        run.chunks(run.len().div_ceil(WIDTH).max(BLOCK))
-            .map(|run| {
-                let points = run.iter().flat_map(|&i| mesh.corners(i as usize));
-                let aabb = points.fold(Aabb::INVALID, |b, p| {
-                    let p = Vec3A::from_array(p);
-                    Aabb::new(b.min.min(p), b.max.max(p))
-                });
-                let what = self.push_run(Run {
-                    aabb,
-                    triangles: run.to_vec(),
-                });
-                Child {
-                    aabb,
-                    what,
-                    is_leaf: run.len() <= MAX_LEAF,
-                }
-            })
-            .collect()
+        let mut children = [Child {
+            area: 0.0,
+            what,
+            is_leaf: true,
+        }; WIDTH];
+        let runs = triangles.chunks(triangles.len().div_ceil(WIDTH).max(BLOCK));
+        let n = runs.len();
+        for (child, run) in children.iter_mut().zip(runs) {
+            let points = run.iter().flat_map(|&i| mesh.corners(i as usize));
+            let aabb = points.fold(Aabb::INVALID, |b, p| {
+                let p = Vec3A::from_array(p);
+                Aabb::new(b.min.min(p), b.max.max(p))
+            });
+            let what = self.push_run(Run {
+                aabb,
+                triangles: run.to_vec(),
+            });
+            *child = Child {
+                area: aabb.half_area(),
+                what,
+                is_leaf: run.len() <= MAX_LEAF,
+            };
+        }
+        (children, n)
     }
 }
 
 /// The children that the collapse has chosen.
-fn as_collapsed(collapse: &Collapse, node: u32) -> Vec<Child> {
-    let mut nodes = Vec::with_capacity(WIDTH);
-    collapse.children(node, &mut nodes);
-    let child = |&node: &u32| Child {
-        aabb: *collapse.aabb(node),
+fn as_collapsed(collapse: &Collapse, node: u32) -> Children {
+    let (nodes, n) = collapse.children(node);
+    let child = |node: u32| Child {
+        area: collapse.aabb(node).half_area(),
         what: What::Tree(node),
         is_leaf: collapse.is_leaf(node),
     };
-    nodes.iter().map(child).collect()
+    // What is not used is the first one over again.
+    let all = std::array::from_fn(|i| child(nodes[if i < n { i } else { 0 }]));
+    (all, n)
 }

@@ -13,6 +13,7 @@ mod motion;
 mod pages;
 mod part;
 mod ploc;
+mod reinsert;
 mod sbvh;
 #[cfg(test)]
 mod tests_of_presets;
@@ -51,6 +52,13 @@ pub struct Geometry {
 
 /// A tree and its box; none over nothing.
 fn tree(mesh: &Mesh, preset: Preset) -> Option<(Layout, Aabb)> {
+    // The build reads them at random, and so does whoever shades what is hit. Materials are often all
+    // the first, zeros never written.
+    pages::large_where_untouched(&mesh.material);
+    pages::onto_large(&mesh.vertices);
+    pages::onto_large(&mesh.indices);
+    pages::onto_large(&mesh.normals);
+    pages::onto_large(&mesh.uvs);
     let tree = Binary::build(mesh, preset)?;
     let collapse = Collapse::new(&tree);
     let root = *collapse.aabb(0);

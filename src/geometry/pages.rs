@@ -3,11 +3,12 @@
 //! A ray that jumps through hundreds of megabytes finds the address of nearly every node without
 //! walking the page table if pages are of 2 MiB, and a build asks the system for memory a 512th
 //! as often. Linux grants such pages where it is asked before a page is touched. So what is asked for must
-//! come untouched: memory mapped anew does, and so does what Rust's allocator is asked for in zeros
-//! aligned to no more than [`UNTOUCHED`] bytes; for more it writes the zeros itself, on small pages.
+//! come untouched, as memory mapped anew does. What the allocator is asked for in zeros may be memory that was
+//! used before, which one thread then clears.
 
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Pod;
 use memmap2::MmapMut;
+use rayon::prelude::*;
 use std::ops::{Deref, DerefMut};
 
 /// Smallest table that is worth it, in bytes: below, the translation look-aside buffers hold all of it
@@ -15,8 +16,8 @@ use std::ops::{Deref, DerefMut};
 const WORTH_IT: usize = 2 << 20;
 /// A large page.
 const PAGE: usize = 2 << 20;
-/// Bytes to which memory may be aligned that the allocator gives untouched.
-const UNTOUCHED: usize = 16;
+/// A page no larger than any that may be had in its place.
+const SMALL: usize = 4 << 10;
 
 /// A table of plain elements, in memory of its own where it is large.
 pub(super) struct Table<T>(Memory<T>);
@@ -35,6 +36,33 @@ impl<T: Pod> Table<T> {
             Some(map) => Memory::Large(map, len),
             None => Memory::Small(bytemuck::zeroed_vec(len)),
         })
+    }
+
+    /// `len` elements in the memory of a table that is done with, if that is large and has room for them.
+    /// What they are at first is anything.
+    pub(super) fn in_place_of<U: Pod>(old: Table<U>, len: usize) -> Self {
+        match old.0 {
+            Memory::Large(map, _) if whole::<T>(&map).len() >= len => Self(Memory::Large(map, len)),
+            other => {
+                // Given back first, not held beside what is taken.
+                drop(other);
+                Self::zeroed(len)
+            }
+        }
+    }
+
+    /// Has the system clear the table's memory, on the current rayon pool, a large page a task: whoever
+    /// first writes to one has it cleared, and if two do at once, both do all the work.
+    pub(super) fn clear(&mut self)
+    where
+        T: Send,
+    {
+        if let Memory::Large(map, len) = &mut self.0 {
+            let first = before(map);
+            let bytes = &mut map[first..][..*len * size_of::<T>()];
+            let small = |page: &mut [u8]| page.iter_mut().step_by(SMALL).for_each(|byte| *byte = 0);
+            bytes.par_chunks_mut(PAGE).for_each(small);
+        }
     }
 
     /// Appends elements.
@@ -71,10 +99,15 @@ fn map(bytes: usize) -> Option<MmapMut> {
     if bytes < WORTH_IT {
         return None;
     }
-    let map = MmapMut::map_anon(bytes.checked_add(PAGE)?).ok()?;
-    // A hint: where it cannot be followed, nothing changes.
+    let map = MmapMut::map_anon(bytes.checked_add(2 * PAGE)?).ok()?;
+    // A page is cleared whole, however little of it is used: the last one had better be small ones where
+    // most of it would be for nothing.
     #[cfg(target_os = "linux")]
-    let _ = map.advise(memmap2::Advice::HugePage);
+    {
+        let large = (bytes + PAGE / 2) / PAGE * PAGE;
+        // A hint: where it cannot be followed, nothing changes.
+        let _ = map.advise_range(memmap2::Advice::HugePage, before(&map), large);
+    }
     Some(map)
 }
 
@@ -115,6 +148,13 @@ impl<T: Pod> DerefMut for Table<T> {
     }
 }
 
+/// Where it is, on whatever pages.
+impl<T> From<Vec<T>> for Table<T> {
+    fn from(elements: Vec<T>) -> Self {
+        Self(Memory::Small(elements))
+    }
+}
+
 impl<T> Default for Table<T> {
     fn default() -> Self {
         Self(Memory::Small(Vec::new()))
@@ -127,36 +167,43 @@ impl<T: Pod> std::fmt::Debug for Table<T> {
     }
 }
 
-/// As [`Table`], for those who need a vector.
-pub(super) fn zeroed<T: Zeroable>(len: usize) -> Vec<T> {
-    const { assert!(align_of::<T>() <= UNTOUCHED, "a table is for these") };
-    let mut table = bytemuck::zeroed_vec(len);
-    if len * size_of::<T>() >= WORTH_IT {
-        ask_for_large(&mut table);
-    }
-    table
-}
-
-/// A hint: where it cannot be followed, nothing changes.
-fn ask_for_large<T>(memory: &mut [T]) {
+/// Large pages for those parts of memory, if it is large, that nobody has touched yet: zeros that are only
+/// ever read then take no memory, and one page for many.
+pub(super) fn large_where_untouched<T>(memory: &[T]) {
     #[cfg(target_os = "linux")]
-    {
-        const PAGE: usize = 4096;
-        let range = memory.as_mut_ptr_range();
-        let start = (range.start as usize).next_multiple_of(PAGE);
-        let end = range.end as usize / PAGE * PAGE;
-        if start < end {
-            let skipped = start - range.start as usize;
-            let start = range.start.wrapping_byte_add(skipped);
-            // SAFETY: the whole pages from `start` to `end` lie in `memory`, which is borrowed
-            // mutably; this advice does not change what memory contains.
-            unsafe {
-                libc::madvise(start.cast(), end - start as usize, libc::MADV_HUGEPAGE);
-            }
-        }
+    if size_of_val(memory) >= WORTH_IT {
+        advise(memory, libc::MADV_HUGEPAGE);
     }
     #[cfg(not(target_os = "linux"))]
     let _ = memory;
+}
+
+/// Puts memory that is written already onto large pages, if it is large. What it holds stays.
+pub(super) fn onto_large<T>(memory: &[T]) {
+    large_where_untouched(memory);
+    #[cfg(target_os = "linux")]
+    if size_of_val(memory) >= WORTH_IT {
+        // `MADV_COLLAPSE` of Linux 6.1: not all of libc's targets name it.
+        const COLLAPSE: libc::c_int = 25;
+        advise(memory, COLLAPSE);
+    }
+}
+
+/// A hint about the whole pages of `memory`: where it cannot be followed, nothing changes. One of those that do
+/// not change what memory holds, please.
+#[cfg(target_os = "linux")]
+fn advise<T>(memory: &[T], advice: libc::c_int) {
+    let range = memory.as_ptr_range();
+    let start = range.start.addr().next_multiple_of(SMALL);
+    let end = range.end.addr() / SMALL * SMALL;
+    if start < end {
+        let start = range.start.with_addr(start);
+        // SAFETY: the whole pages from `start` to `end` lie in `memory`, and this advice does not change what
+        // they hold.
+        unsafe {
+            libc::madvise(start.cast_mut().cast(), end - start.addr(), advice);
+        }
+    }
 }
 
 #[cfg(test)]

@@ -42,7 +42,8 @@ fn closest_of(few: Few, rays: Rays, hits: &mut Hits) {
     let mut sheared = [[_mm512_setzero_ps(); 3]; MAX_VERTICES];
     for range in sixteens(rays.len) {
         let sixteen = Sixteen::new(rays.origin, rays.direction, range.clone());
-        let view = View::new(&sixteen, few, &mut sheared);
+        let inverse = shear(&sixteen, few, &mut sheared);
+        let used = sixteen.usual();
         let leaves = integers(rays.leaves, &range);
         visits::add(0, 16 * few.triangles.len());
         let mut doubt = Doubt::new();
@@ -51,8 +52,8 @@ fn closest_of(few: Few, rays: Rays, hits: &mut Hits) {
         let mut primitive = _mm512_set1_epi32(NO_PRIMITIVE as i32);
         for triangle in few.triangles {
             let index = _mm512_set1_epi32(triangle.primitive as i32);
-            let wanted = _mm512_mask_cmpneq_epi32_mask(view.used, index, leaves);
-            let met = view.test(corners(triangle, &sheared), wanted, &mut doubt);
+            let wanted = _mm512_mask_cmpneq_epi32_mask(used, index, leaves);
+            let met = meet(corners(triangle, &sheared), inverse, wanted, &mut doubt);
             // Strictly nearer: of equally near ones the first.
             let nearer = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(met.which, met.t, t);
             t = _mm512_mask_mov_ps(t, nearer, met.t);
@@ -60,7 +61,7 @@ fn closest_of(few: Few, rays: Rays, hits: &mut Hits) {
             v = _mm512_mask_mov_ps(v, nearer, met.v);
             primitive = _mm512_mask_mov_epi32(primitive, nearer, index);
         }
-        let unsure = doubt.lanes(view.used);
+        let unsure = doubt.lanes(used);
         // What f32 cannot hold becomes the nearest it can.
         let t = _mm512_mul_ps(t, sixteen.scale);
         let t = _mm512_max_ps(t, _mm512_set1_ps(f32::from_bits(1)));
@@ -69,10 +70,10 @@ fn closest_of(few: Few, rays: Rays, hits: &mut Hits) {
         // Adding 0 turns -0 into 0.
         let (u, v) = (_mm512_add_ps(u, zero), _mm512_add_ps(v, zero));
         let (primitives, i) = (bytemuck::cast_slice_mut(hits.primitive), range.start);
-        store_lanes(primitives, i, view.used, _mm512_castsi512_ps(primitive));
-        store_lanes(hits.t, i, view.used, t);
-        store_lanes(hits.u, i, view.used, u);
-        store_lanes(hits.v, i, view.used, v);
+        store_lanes(primitives, i, used, _mm512_castsi512_ps(primitive));
+        store_lanes(hits.t, i, used, t);
+        store_lanes(hits.u, i, used, u);
+        store_lanes(hits.v, i, used, v);
         for i in lanes_of(i, unsure | sixteen.able & !sixteen.ordinary) {
             few::closest_of_one(few, rays, hits.part(0..rays.len), i);
         }
@@ -84,7 +85,8 @@ fn occluded_by(few: Few, segments: Segments, occluded: &mut [u32]) {
     let mut sheared = [[_mm512_setzero_ps(); 3]; MAX_VERTICES];
     for range in sixteens(segments.len) {
         let sixteen = Sixteen::new(segments.origin, segments.direction, range.clone());
-        let view = View::new(&sixteen, few, &mut sheared);
+        let inverse = shear(&sixteen, few, &mut sheared);
+        let used = sixteen.usual();
         let leaves = integers(segments.leaves, &range);
         let reaches = integers(segments.reaches, &range);
         let end = load_part(segments.t_max, range.start, range.end);
@@ -94,15 +96,15 @@ fn occluded_by(few: Few, segments: Segments, occluded: &mut [u32]) {
         let mut blocked = 0;
         for triangle in few.triangles {
             let index = _mm512_set1_epi32(triangle.primitive as i32);
-            let wanted = _mm512_mask_cmpneq_epi32_mask(view.used, index, leaves);
+            let wanted = _mm512_mask_cmpneq_epi32_mask(used, index, leaves);
             let wanted = _mm512_mask_cmpneq_epi32_mask(wanted, index, reaches);
-            let met = view.test(corners(triangle, &sheared), wanted, &mut doubt);
+            let met = meet(corners(triangle, &sheared), inverse, wanted, &mut doubt);
             blocked |= _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(met.which, met.t, end);
         }
-        let unsure = doubt.lanes(view.used);
+        let unsure = doubt.lanes(used);
         let one = _mm512_castsi512_ps(_mm512_maskz_set1_epi32(blocked, 1));
         let (out, i) = (bytemuck::cast_slice_mut(occluded), range.start);
-        store_lanes(out, i, view.used, one);
+        store_lanes(out, i, used, one);
         for i in lanes_of(i, unsure | sixteen.able & !sixteen.ordinary) {
             few::occluded_of_one(few, segments, occluded, i);
         }
@@ -134,14 +136,6 @@ fn integers(column: &[u32], range: &Range<usize>) -> __m512i {
 /// Vertices as sixteen rays see them.
 type Sheared = [[__m512; 3]; MAX_VERTICES];
 
-/// Sixteen rays as the test takes them.
-pub(super) struct View {
-    /// Those that are tested here.
-    pub(super) used: __mmask16,
-    /// 1 over the main component.
-    pub(super) inverse: __m512,
-}
-
 /// Which rays' lines meet a triangle at `t > 0`, and where.
 pub(super) struct Met {
     pub(super) which: __mmask16,
@@ -150,71 +144,67 @@ pub(super) struct Met {
     pub(super) v: __m512,
 }
 
-impl View {
-    /// Shears all vertices.
-    #[inline]
-    #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-    fn new(sixteen: &Sixteen, few: Few, sheared: &mut Sheared) -> Self {
-        assert!(few.vertices.len() <= MAX_VERTICES, "too many vertices");
-        let origin = sixteen.permute(sixteen.o);
-        let slope = sixteen.slope();
-        for (&[x, y, z], into) in few.vertices.iter().zip(sheared) {
-            let corner = [_mm512_set1_ps(x), _mm512_set1_ps(y), _mm512_set1_ps(z)];
-            let [x, y, z] = sixteen.permute(corner);
-            let z = _mm512_sub_ps(z, origin[2]);
-            let x = _mm512_fnmadd_ps(slope[0], z, _mm512_sub_ps(x, origin[0]));
-            let y = _mm512_fnmadd_ps(slope[1], z, _mm512_sub_ps(y, origin[1]));
-            *into = [x, y, z];
-        }
-        Self {
-            used: sixteen.able & sixteen.ordinary,
-            inverse: sixteen.by_main(sixteen.inverse),
-        }
+/// Shears all vertices, and gives 1 over the main components, which [`meet`] takes.
+#[inline]
+#[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+fn shear(sixteen: &Sixteen, few: Few, sheared: &mut Sheared) -> __m512 {
+    assert!(few.vertices.len() <= MAX_VERTICES, "too many vertices");
+    let origin = sixteen.permute(sixteen.o);
+    let slope = sixteen.slope();
+    for (&[x, y, z], into) in few.vertices.iter().zip(sheared) {
+        let corner = [_mm512_set1_ps(x), _mm512_set1_ps(y), _mm512_set1_ps(z)];
+        let [x, y, z] = sixteen.permute(corner);
+        let z = _mm512_sub_ps(z, origin[2]);
+        let x = _mm512_fnmadd_ps(slope[0], z, _mm512_sub_ps(x, origin[0]));
+        let y = _mm512_fnmadd_ps(slope[1], z, _mm512_sub_ps(y, origin[1]));
+        *into = [x, y, z];
     }
+    sixteen.by_main(sixteen.inverse)
+}
 
-    /// Tests the `wanted` rays against a triangle, given its corners as the rays see them.
-    #[inline]
-    #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-    pub(super) fn test(
-        &self,
-        [a, b, c]: [&[__m512; 3]; 3],
-        wanted: __mmask16,
-        doubt: &mut Doubt,
-    ) -> Met {
-        let edge = |p: &[__m512; 3], q: &[__m512; 3]| {
-            let product = _mm512_mul_ps(p[1], q[0]);
-            _mm512_sub_ps(
-                _mm512_fnmadd_ps(p[1], q[0], product),
-                _mm512_fnmadd_ps(p[0], q[1], product),
-            )
-        };
-        let (wa, wb, wc) = (edge(c, b), edge(a, c), edge(b, a));
-        let det = _mm512_add_ps(_mm512_add_ps(wa, wb), wc);
-        doubt.consider(wanted, least_size(wa, least_size(wb, wc)), det);
-        let share = _mm512_div_ps(_mm512_set1_ps(1.0), det);
-        let ua = _mm512_mul_ps(wa, share);
-        let (ub, uc) = (_mm512_mul_ps(wb, share), _mm512_mul_ps(wc, share));
-        let depth = _mm512_fmadd_ps(ub, b[2], _mm512_mul_ps(uc, c[2]));
-        let depth = _mm512_fmadd_ps(ua, a[2], depth);
-        let t = _mm512_mul_ps(depth, self.inverse);
-        // (a ^ b) | (b ^ c): where all are sure, signs differ where sign bits do.
-        let [wa, wb, wc] = [
-            _mm512_castps_si512(wa),
-            _mm512_castps_si512(wb),
-            _mm512_castps_si512(wc),
-        ];
-        let mixed = _mm512_ternarylogic_epi32::<0x7e>(wa, wb, wc);
-        let inside = wanted & !_mm512_movepi32_mask(mixed);
-        let near = greatest_size(a[2], greatest_size(b[2], c[2]));
-        let near = _mm512_mul_ps(near, _mm512_set1_ps(CONTACT));
-        let depth = _mm512_abs_ps(depth);
-        doubt.contact |= _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(inside, depth, near);
-        Met {
-            which: _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(inside, _mm512_setzero_ps(), t),
-            t,
-            u: ub,
-            v: uc,
-        }
+/// Tests the `wanted` rays against a triangle, given its corners as the rays see them and 1 over
+/// the rays' main components.
+#[inline]
+#[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+pub(super) fn meet(
+    [a, b, c]: [&[__m512; 3]; 3],
+    inverse: __m512,
+    wanted: __mmask16,
+    doubt: &mut Doubt,
+) -> Met {
+    let edge = |p: &[__m512; 3], q: &[__m512; 3]| {
+        let product = _mm512_mul_ps(p[1], q[0]);
+        _mm512_sub_ps(
+            _mm512_fnmadd_ps(p[1], q[0], product),
+            _mm512_fnmadd_ps(p[0], q[1], product),
+        )
+    };
+    let (wa, wb, wc) = (edge(c, b), edge(a, c), edge(b, a));
+    let det = _mm512_add_ps(_mm512_add_ps(wa, wb), wc);
+    doubt.consider(wanted, least_size(wa, least_size(wb, wc)), det);
+    let share = _mm512_div_ps(_mm512_set1_ps(1.0), det);
+    let ua = _mm512_mul_ps(wa, share);
+    let (ub, uc) = (_mm512_mul_ps(wb, share), _mm512_mul_ps(wc, share));
+    let depth = _mm512_fmadd_ps(ub, b[2], _mm512_mul_ps(uc, c[2]));
+    let depth = _mm512_fmadd_ps(ua, a[2], depth);
+    let t = _mm512_mul_ps(depth, inverse);
+    // (a ^ b) | (b ^ c): where all are sure, signs differ where sign bits do.
+    let [wa, wb, wc] = [
+        _mm512_castps_si512(wa),
+        _mm512_castps_si512(wb),
+        _mm512_castps_si512(wc),
+    ];
+    let mixed = _mm512_ternarylogic_epi32::<0x7e>(wa, wb, wc);
+    let inside = wanted & !_mm512_movepi32_mask(mixed);
+    let near = greatest_size(a[2], greatest_size(b[2], c[2]));
+    let near = _mm512_mul_ps(near, _mm512_set1_ps(CONTACT));
+    let depth = _mm512_abs_ps(depth);
+    doubt.contact |= _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(inside, depth, near);
+    Met {
+        which: _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(inside, _mm512_setzero_ps(), t),
+        t,
+        u: ub,
+        v: uc,
     }
 }
 

@@ -76,7 +76,7 @@ fn all<'a, Q: Carried<'a>, F: Filter, const MOVES: bool>(
     // Where there is but one door it leads to triangles of the world.
     let root = world.first_reference();
     let view = query.view();
-    let (mut stage, mut queues) = (Stage::of(extent), Queues::new());
+    let (mut stage, mut queues) = (Stage::of(extent, [std::ptr::null(); 3]), Queues::new());
     let (mut next, mut groups) = ([0; N], Groups::NEW);
     let fetch = |door: u32| {
         let i = place(door).wrapping_sub(world.spheres.len());

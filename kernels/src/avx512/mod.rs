@@ -48,6 +48,7 @@ use prepare::Stage;
 use queue::{Queues, What};
 use slot::{Slot, key};
 use std::cell::RefCell;
+use std::ptr::null;
 
 /// Rays under way together.
 const N: usize = 64;
@@ -95,7 +96,8 @@ pub fn occluded(bvh: Bvh, segments: Segments, occluded: &mut [u32]) {
 
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
 fn fly_closest(slots: &mut [Slot; N], bvh: Bvh, rays: &Rays, hits: &mut Hits) {
-    let (mut stage, mut queues) = (Stage::new(bvh), Queues::new());
+    let answers = [hits.t.as_ptr(), hits.u.as_ptr(), hits.v.as_ptr()];
+    let (mut stage, mut queues) = (Stage::new(bvh, answers), Queues::new());
     let (mut next, mut groups) = ([0; N], Groups::NEW);
     queues.done.fill_with_all();
     let mut started = false;
@@ -144,7 +146,7 @@ fn fly_closest(slots: &mut [Slot; N], bvh: Bvh, rays: &Rays, hits: &mut Hits) {
 
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
 fn fly_occluded(slots: &mut [Slot; N], bvh: Bvh, segments: &Segments, occluded: &mut [u32]) {
-    let (mut stage, mut queues) = (Stage::new(bvh), Queues::new());
+    let (mut stage, mut queues) = (Stage::new(bvh, [null(); 3]), Queues::new());
     let (mut next, mut groups) = ([0; N], Groups::NEW);
     queues.done.fill_with_all();
     let mut started = false;

@@ -4,7 +4,7 @@
 //! leaves' boxes and triangles ray by ray. A leaf's box is tested as in `node.rs`, triangles as in
 //! `few.rs`; rays for which some triangle was in doubt are asked about again one at a time.
 
-use super::few::{Doubt, View};
+use super::few::{Doubt, meet};
 use super::simd::{load16_u32, store_lanes};
 use super::sixteen::{Sixteen, slack};
 use crate::bvh::{Block, Bvh, LEAF, NOTHING, Node, WIDTH, index};
@@ -29,7 +29,8 @@ struct Packet {
     slope: [__m512; 2],
     /// First, second, main.
     axes: [usize; 3],
-    view: View,
+    /// 1 over the main component.
+    inverse_main: __m512,
     leaves: __m512i,
     /// By axis, what is added for planes met first and last, and reciprocal directions: `node.rs`.
     enter: [__m512; 3],
@@ -115,7 +116,7 @@ impl Packet {
             _ => return None,
         };
         let slope = sixteen.slope();
-        let mut together = sixteen.able & sixteen.ordinary == ALL;
+        let mut together = sixteen.usual() == ALL;
         for slope in slope {
             // Asked this way round, a NaN makes no packet.
             together &= _mm512_reduce_max_ps(slope) - _mm512_reduce_min_ps(slope) <= SPREAD;
@@ -136,10 +137,7 @@ impl Packet {
             origin: sixteen.permute(sixteen.o),
             slope,
             axes: [(main + 1) % 3, (main + 2) % 3, main],
-            view: View {
-                used: ALL,
-                inverse: sixteen.by_main(sixteen.inverse),
-            },
+            inverse_main: sixteen.by_main(sixteen.inverse),
             leaves: load16_u32(bytemuck::cast_ref(row(
                 bytemuck::cast_slice(rays.leaves),
                 i,
@@ -229,7 +227,7 @@ impl Packet {
                 self.corner(block, 1, lane),
                 self.corner(block, 2, lane),
             ];
-            let met = self.view.test(corners.each_ref(), wanted, doubt);
+            let met = meet(corners.each_ref(), self.inverse_main, wanted, doubt);
             let tied = _mm512_mask_cmp_ps_mask::<_CMP_EQ_OQ>(met.which, met.t, found.t);
             let nearer = _mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(met.which, met.t, found.t)
                 | _mm512_mask_cmplt_epu32_mask(tied, index, found.primitive);

@@ -1,12 +1,16 @@
 //! Rays of a view, made ready sixteen at a time (`sixteen.rs`), one by one.
 
-use super::simd::{load_part, store16};
+use super::simd::{fetch, load_part, store16};
 use super::sixteen::{Sixteen, slack};
 use super::slot::Ray;
 use crate::bvh::Bvh;
 use crate::rays::{Rays, Segments};
 use crate::vec3::Columns;
 use std::arch::x86_64::*;
+
+/// How far ahead of the rays that are made ready their columns are asked for. So many columns, a few
+/// rays at a time and long pauses in between: the processor does not foresee it by itself.
+const AHEAD: usize = 32;
 
 /// Rays that are ready and wait for a slot.
 #[repr(align(64))]
@@ -23,16 +27,19 @@ pub(super) struct Stage {
     odd: u32,
     /// The first ray that has not been looked at.
     next: usize,
+    /// Where answers will be written that nobody has touched yet.
+    answers: [*const f32; 3],
 }
 
 impl Stage {
-    /// For rays through a tree that is not empty.
-    pub(super) fn new(bvh: Bvh) -> Self {
-        Self::of(extent(bvh))
+    /// For rays through a tree that is not empty; `answers` as for [`Stage::of`].
+    pub(super) fn new(bvh: Bvh, answers: [*const f32; 3]) -> Self {
+        Self::of(extent(bvh), answers)
     }
 
-    /// For rays that may meet something up to a coordinate.
-    pub(super) fn of(extent: f32) -> Self {
+    /// For rays that may meet something up to a coordinate. `answers` are columns whose numbers are asked for
+    /// as their rays' turn comes (never read: null will do).
+    pub(super) fn of(extent: f32, answers: [*const f32; 3]) -> Self {
         Self {
             rays: [[0.0; 16]; 16],
             leave: [[0.0; 16]; 3],
@@ -41,6 +48,7 @@ impl Stage {
             ready: 0,
             odd: 0,
             next: 0,
+            answers,
         }
     }
 
@@ -114,6 +122,16 @@ impl Stage {
         } = *view;
         let first = self.next;
         let end = len.min(first + 16);
+        for column in origin.iter().chain(&direction) {
+            fetch(column.as_ptr(), first + AHEAD);
+        }
+        fetch(leaves.as_ptr().cast(), first + AHEAD);
+        if let Some(t_max) = t_max {
+            fetch(t_max.as_ptr(), first + AHEAD);
+        }
+        for column in self.answers {
+            fetch(column, first + 16);
+        }
         let leaves = load_part(bytemuck::cast_slice(leaves), first, end);
         let sixteen = Sixteen::new(origin, direction, first..end);
         let Sixteen {

@@ -42,6 +42,13 @@ pub(super) fn store_lanes(column: &mut [f32], i: usize, which: __mmask16, x: __m
     unsafe { _mm512_mask_storeu_ps(column.as_mut_ptr(), which, x) };
 }
 
+/// Asks for number `i` of a column, which may lie beyond its end.
+#[inline]
+#[target_feature(enable = "avx512f")]
+pub(super) fn fetch(column: *const f32, i: usize) {
+    _mm_prefetch::<_MM_HINT_T0>(column.wrapping_add(i).cast());
+}
+
 /// A mask of the first `n` of sixteen lanes.
 #[inline]
 #[target_feature(enable = "avx512f")]

@@ -81,6 +81,12 @@ impl Sixteen {
         }
     }
 
+    /// Those that the kernels here trace.
+    #[inline]
+    pub(super) fn usual(&self) -> __mmask16 {
+        self.able & self.ordinary
+    }
+
     /// One of three, by main axis.
     #[inline]
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]

@@ -4,9 +4,9 @@ use super::{Layout, Part, What};
 use crate::geometry::collapse::{Collapse, NODE_COST};
 use crate::geometry::pages::Table;
 use crate::scene::Mesh;
-use huygens_kernels::bvh::{BLOCK, Block, LEAF, MAX_DEPTH, Node, index, leaf};
+use huygens_kernels::bvh::{BLOCK, Block, LEAF, MAX_DEPTH, NOTHING, Node, WIDTH, index, leaf};
 use rayon::prelude::*;
-use wide::{f32x4, u32x4};
+use wide::{f32x4, u32x4, u32x8};
 
 impl Part {
     /// Writes the part's blocks, and its nodes but the first, which it returns. `first_node` and
@@ -21,28 +21,29 @@ impl Part {
         let mut root = Node::EMPTY;
         let (mut found, mut all) = (Vec::new(), 0);
         for (i, children) in self.nodes.iter().enumerate() {
-            let mut node = Node::EMPTY;
+            let mut boxes = [NOWHERE; WIDTH];
+            let mut references = [NOTHING; WIDTH];
             for (slot, &(what, reference)) in self.children[children.clone()].iter().enumerate() {
-                let aabb = match what {
-                    What::Tree(node) => collapse.aabb(node),
-                    What::Run(run) => &self.runs[run as usize].aabb,
+                boxes[slot] = match what {
+                    What::Tree(node) => collapse.corners(node),
+                    What::Run(run) => {
+                        let aabb = self.runs[run as usize].aabb;
+                        [aabb.min, aabb.max].map(|p| f32x4::new([p.x, p.y, p.z, 0.0]))
+                    }
                 };
-                let reference = if reference & LEAF == 0 {
+                references[slot] = if reference & LEAF == 0 {
                     first_node as u32 + reference
                 } else {
                     let triangles = match what {
-                        What::Tree(node) => {
-                            collapse.triangles(node, &mut found);
-                            &found
-                        }
+                        What::Tree(node) => collapse.run_of(node, &mut found),
                         What::Run(run) => &self.runs[run as usize].triangles,
                     };
                     all += triangles.len();
                     blocks[index(reference)] = block(mesh, triangles);
                     leaf(first_block + index(reference))
                 };
-                node.set(slot, aabb.min.to_array(), aabb.max.to_array(), reference);
             }
+            let node = node(&boxes, references);
             if i == 0 {
                 root = node;
             } else {
@@ -53,12 +54,46 @@ impl Part {
     }
 }
 
+/// Lower and upper corner of a slot that is not used.
+const NOWHERE: [f32x4; 2] = [
+    f32x4::new([f32::INFINITY; 4]),
+    f32x4::new([f32::NEG_INFINITY; 4]),
+];
+
+/// The node of eight boxes, whose corners' last lanes mean nothing.
+#[inline(always)]
+fn node(boxes: &[[f32x4; 2]; WIDTH], references: [u32; WIDTH]) -> Node {
+    const { assert!(WIDTH == 8) };
+    let columns = |four: usize, end: usize| {
+        f32x4::transpose(std::array::from_fn(|i| boxes[4 * four + i][end]))
+    };
+    let [low, high] = [0, 1].map(|end| [columns(0, end), columns(1, end)]);
+    let plane = |[a, b]: [[f32x4; 4]; 2], axis: usize| bytemuck::cast([a[axis], b[axis]]);
+    Node {
+        planes: [
+            plane(low, 0),
+            plane(high, 0),
+            plane(low, 1),
+            plane(high, 1),
+            plane(low, 2),
+            plane(high, 2),
+        ],
+        child: u32x8::new(references),
+        spare: u32x8::ZERO,
+    }
+}
+
 /// The block of a leaf.
+#[inline(always)]
 fn block(mesh: &Mesh, triangles: &[u32]) -> Block {
-    let mut rows = [u32::MAX; BLOCK];
-    rows[..triangles.len()].copy_from_slice(triangles);
-    // By rising index; what is not used comes last, and repeats the last that is.
-    rows.sort_unstable();
+    const { assert!(BLOCK == 4) };
+    // What is not used comes last, and repeats the last that is.
+    let row = |i: usize| triangles.get(i).copied().unwrap_or(u32::MAX);
+    let [a, b, c, d] = [0, 1, 2, 3].map(row);
+    // By rising index: first in pairs, then the pairs with each other.
+    let ([a, b], [c, d]) = ([a.min(b), a.max(b)], [c.min(d), c.max(d)]);
+    let ([a, c], [b, d]) = ([a.min(c), a.max(c)], [b.min(d), b.max(d)]);
+    let rows = [a, b.min(c), b.max(c), d];
     let last = rows[triangles.len() - 1];
     let rows = rows.map(|i| i.min(last));
     let corners = rows.map(|i| mesh.corners(i as usize));

@@ -98,14 +98,14 @@ impl Bounds {
     }
 }
 
-/// Area times blocks of four boxes that hold so many references; not a number, or infinite, where
-/// there are none.
+/// Blocks that so many references take; infinitely many for none, so that no box of nothing seems cheap:
+/// its area times these is not a number, or infinite.
 #[inline(always)]
-pub(super) fn costs(boxes: [Bounds; 4], counts: i32x4) -> f32x4 {
+pub(super) fn blocks(counts: i32x4) -> f32x4 {
     const { assert!(BLOCK.is_power_of_two()) };
     let blocks = (counts + i32x4::splat(BLOCK as i32 - 1)) >> BLOCK.ilog2() as i32;
     let none: f32x4 = bytemuck::cast(counts.simd_lt(i32x4::ONE));
-    Bounds::half_areas(boxes) * none.select(f32x4::splat(f32::INFINITY), blocks.round_float())
+    none.select(f32x4::splat(f32::INFINITY), blocks.round_float())
 }
 
 /// The least of many costs, four at a time, and the number that goes with it; of equal ones the one

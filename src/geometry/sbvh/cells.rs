@@ -11,18 +11,16 @@
 //! references keep their order within a bucket.
 
 use super::bounds::Bounds;
+use super::plan::{CELLS, Cell, Plan, Splitter};
 use super::reference::Reference;
-use super::split::{BINS, Bins};
 use rayon::prelude::*;
 use wide::f32x4;
 
 /// References from which on a grid pays.
 pub(super) const FROM: usize = 2048;
-/// Fewer references than this are a bucket.
-const BUCKET: usize = 256;
 /// Fewer planes to choose from than this, along all axes together, and a node is a bucket: on the
 /// grids of many references, which decide the top of the tree, and on others. A node has three times
-/// `BINS - 1` at most.
+/// `split::BINS - 1` at most.
 const PLANES: [u32; 2] = [30, 16];
 /// What many references are.
 const MANY: usize = 1 << 15;
@@ -31,14 +29,6 @@ const MOST: u32 = 15;
 const MOST_ALONG: u32 = 6;
 /// References that make a task of their own worth while.
 const CHUNK: usize = 1 << 14;
-
-/// Splits of a node: what they leave lies one after the other in the order of the tree.
-pub(super) struct Plan {
-    pub(super) bounds: Bounds,
-    pub(super) count: usize,
-    /// None of a bucket.
-    pub(super) halves: Option<Box<[Plan; 2]>>,
-}
 
 /// The grid. Along an axis, as many cells as a power of two.
 struct Cells {
@@ -101,15 +91,6 @@ impl Cells {
     }
 }
 
-/// A cell that is not empty.
-#[derive(Clone, Copy)]
-struct Cell {
-    bounds: Bounds,
-    place: [u32; 3],
-    id: u32,
-    count: u32,
-}
-
 /// What one task found in its share of the references.
 struct Share {
     ids: Vec<u16>,
@@ -150,31 +131,23 @@ pub(super) fn part(from: &[Reference], to: &mut [Reference], centres: Bounds) ->
         .par_chunks(chunk)
         .map(|references| Share::new(&cells, references))
         .collect();
-    let mut used = Vec::with_capacity(cells.len() / 4);
-    for id in 0..cells.len() {
-        let count = shares.iter().map(|s| s.counts[id]).sum();
-        if count > 0 {
-            let bounds = shares.iter().map(|s| s.bounds[id]);
-            used.push(Cell {
-                bounds: bounds.fold(Bounds::EMPTY, Bounds::union),
-                place: cells.place(id),
-                id: id as u32,
-                count,
-            });
-        }
-    }
-    let mut splitter = Splitter {
-        bucket_of: vec![0; cells.len()],
-        buckets: 0,
+    let mut used = used(&cells, &shares);
+    let splitter = Splitter {
         planes: PLANES[usize::from(n < MANY)],
     };
     let plan = splitter.split(&mut used);
     plan.halves.as_ref()?;
-    let mut rooms = rooms(&shares, &splitter, to);
+    let mut buckets = Buckets {
+        shares: &shares,
+        of_cell: vec![0; cells.len()],
+        counts: vec![Vec::new(); shares.len()],
+    };
+    buckets.number(&plan, &used);
+    let mut rooms = buckets.rooms(to);
     let pieces = from.par_chunks(chunk).zip(&shares).zip(&mut rooms);
     pieces.for_each(|((references, share), rooms)| {
         for (&reference, &id) in references.iter().zip(&share.ids) {
-            let bucket = splitter.bucket_of[usize::from(id)];
+            let bucket = buckets.of_cell[usize::from(id)];
             if let Some(place) = rooms[usize::from(bucket)].next() {
                 *place = reference;
             }
@@ -183,101 +156,70 @@ pub(super) fn part(from: &[Reference], to: &mut [Reference], centres: Bounds) ->
     Some(plan)
 }
 
-/// For each share, where in `to` its references of each bucket go.
-fn rooms<'a>(
-    shares: &[Share],
-    splitter: &Splitter,
-    mut to: &'a mut [Reference],
-) -> Vec<Vec<std::slice::IterMut<'a, Reference>>> {
-    let counts = |share: &Share| {
-        let mut counts = vec![0usize; splitter.buckets];
-        for (&bucket, &n) in splitter.bucket_of.iter().zip(&share.counts) {
-            counts[usize::from(bucket)] += n as usize;
-        }
-        counts
+/// The cells that are not empty, in order.
+fn used(cells: &Cells, shares: &[Share]) -> Vec<Cell> {
+    let some = |first: usize| {
+        let ids = first..cells.len().min(first + CELLS);
+        let cell = |id: usize| {
+            let count = shares.iter().map(|s| s.counts[id]).sum();
+            (count > 0).then(|| {
+                let bounds = shares.iter().map(|s| s.bounds[id]);
+                Cell {
+                    bounds: bounds.fold(Bounds::EMPTY, Bounds::union),
+                    place: cells.place(id),
+                    id: id as u32,
+                    count,
+                }
+            })
+        };
+        ids.filter_map(cell).collect::<Vec<_>>()
     };
-    let counts: Vec<Vec<usize>> = shares.iter().map(counts).collect();
-    let mut rooms: Vec<Vec<_>> = shares.iter().map(|_| Vec::new()).collect();
-    for bucket in 0..splitter.buckets {
-        for (rooms, counts) in rooms.iter_mut().zip(&counts) {
-            let (room, rest) = std::mem::take(&mut to).split_at_mut(counts[bucket]);
-            rooms.push(room.iter_mut());
-            to = rest;
-        }
-    }
-    rooms
+    let parts = (0..cells.len()).into_par_iter().step_by(CELLS).map(some);
+    parts.collect::<Vec<_>>().concat()
 }
 
-/// Splits nodes of cells until they are buckets.
-struct Splitter {
-    /// The bucket of each cell.
-    bucket_of: Vec<u16>,
-    buckets: usize,
-    /// With fewer to choose from a node is a bucket.
-    planes: u32,
+/// Which bucket each cell belongs to.
+struct Buckets<'a> {
+    shares: &'a [Share],
+    of_cell: Vec<u16>,
+    /// For each share its references in each bucket.
+    counts: Vec<Vec<usize>>,
 }
 
-impl Splitter {
-    fn split(&mut self, cells: &mut [Cell]) -> Plan {
-        let (mut low, mut high) = ([u32::MAX; 3], [0; 3]);
-        let (mut bounds, mut count) = (Bounds::EMPTY, 0);
-        for cell in cells.iter() {
-            bounds = bounds.union(cell.bounds);
-            count += cell.count as usize;
-            for axis in 0..3 {
-                low[axis] = low[axis].min(cell.place[axis]);
-                high[axis] = high[axis].max(cell.place[axis]);
-            }
+impl Buckets<'_> {
+    /// Numbers the buckets of a plan and counts what is in them; returns the rest of the cells.
+    fn number<'c>(&mut self, plan: &Plan, mut cells: &'c [Cell]) -> &'c [Cell] {
+        if let Some(halves) = &plan.halves {
+            cells = self.number(&halves[0], cells);
+            return self.number(&halves[1], cells);
         }
-        let halves = self.halve(cells, count, low, high).map(Box::new);
-        if halves.is_none() {
-            for cell in cells.iter() {
-                self.bucket_of[cell.id as usize] = self.buckets as u16;
-            }
-            self.buckets += 1;
+        let bucket = self.counts[0].len();
+        let (mine, rest) = cells.split_at(plan.cells);
+        for cell in mine {
+            self.of_cell[cell.id as usize] = bucket as u16;
         }
-        Plan {
-            bounds,
-            count,
-            halves,
+        for (counts, share) in self.counts.iter_mut().zip(self.shares) {
+            let of_cell = |cell: &Cell| share.counts[cell.id as usize] as usize;
+            counts.push(mine.iter().map(of_cell).sum());
         }
+        rest
     }
 
-    fn halve(
-        &mut self,
-        cells: &mut [Cell],
-        count: usize,
-        low: [u32; 3],
-        high: [u32; 3],
-    ) -> Option<[Plan; 2]> {
-        let planes: u32 = (0..3)
-            .map(|a| (high[a] - low[a]).min(BINS as u32 - 1))
-            .sum();
-        if count < BUCKET || planes < self.planes {
-            return None;
-        }
-        // Cells along an axis that make a bin, as a power of two.
-        let wide = [0, 1, 2].map(|a| {
-            let cells = high[a] - low[a] + 1;
-            cells.div_ceil(BINS as u32).next_power_of_two().ilog2()
-        });
-        let bin = |cell: &Cell, a: usize| ((cell.place[a] - low[a]) >> wide[a]) as usize % BINS;
-        let mut bins = Bins::EMPTY;
-        for cell in cells.iter() {
-            for axis in 0..3 {
-                bins.add(axis, bin(cell, axis), cell.bounds, cell.count);
+    /// For each share, where in `to` its references of each bucket go.
+    fn rooms<'a>(
+        &self,
+        mut to: &'a mut [Reference],
+    ) -> Vec<Vec<std::slice::IterMut<'a, Reference>>> {
+        let buckets = self.counts[0].len();
+        let mut rooms: Vec<Vec<_>> = Vec::new();
+        rooms.resize_with(self.counts.len(), || Vec::with_capacity(buckets));
+        for bucket in 0..buckets {
+            for (rooms, counts) in rooms.iter_mut().zip(&self.counts) {
+                let (room, rest) = std::mem::take(&mut to).split_at_mut(counts[bucket]);
+                rooms.push(room.iter_mut());
+                to = rest;
             }
         }
-        let split = bins.best([0, 1, 2].map(|a| high[a] > low[a]))?;
-        // Which cells come first does not matter: references keep their own order.
-        let mut lower = 0;
-        for i in 0..cells.len() {
-            if bin(&cells[i], split.axis) < split.bin {
-                cells.swap(lower, i);
-                lower += 1;
-            }
-        }
-        let (below, above) = cells.split_at_mut(lower);
-        Some([self.split(below), self.split(above)])
+        rooms
     }
 }

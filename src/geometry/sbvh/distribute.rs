@@ -80,10 +80,10 @@ impl<'a> Task<'a> {
         let (mut low, mut high) = (0, 0);
         let last = self.to.len() - 1;
         let reaches = grid.reaches(split.axis, split.bin);
-        for &reference in &self.from[self.valid] {
-            let upper = reaches(reference.bounds());
-            self.to[low] = reference;
-            self.to[last - high] = reference;
+        for reference in &self.from[self.valid] {
+            let upper = reaches(reference);
+            self.to[low] = *reference;
+            self.to[last - high] = *reference;
             low += usize::from(!upper);
             high += usize::from(upper);
         }

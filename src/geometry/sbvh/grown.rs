@@ -1,10 +1,17 @@
 //! Subtrees as they are built, by many tasks, and the tree that they make.
 
 use super::bounds::Bounds;
-use crate::geometry::{build::Binary, pages};
+use super::reference::Reference;
+use crate::geometry::{build::Binary, pages::Table};
 use obvhs::bvh2::node::Bvh2Node;
 
-impl Binary {
+/// A subtree that one task builds. Its root is node 0; leaves refer to `triangles`.
+pub(super) struct Run {
+    pub(super) nodes: Vec<Bvh2Node>,
+    pub(super) triangles: Vec<u32>,
+}
+
+impl Run {
     /// Makes node `at` an inner one and returns where its children are to come.
     pub(super) fn fork(&mut self, at: usize, bounds: Bounds) -> usize {
         let first = self.nodes.len();
@@ -16,34 +23,34 @@ impl Binary {
 
 /// A subtree that is built.
 pub(super) enum Grown {
-    /// Built by one task: the subtree's root comes first.
-    Run(Binary),
+    /// Built by one task.
+    Run(Run),
     /// Two halves that were built in parallel.
     Fork(Bounds, Box<[Grown; 2]>),
 }
 
 impl Grown {
     /// A subtree of `count` references, and room for so many, that `write` writes to node 0 and below.
-    pub(super) fn run(count: usize, room: usize, write: impl FnOnce(&mut Binary)) -> Self {
-        let mut run = Binary {
+    pub(super) fn run(count: usize, room: usize, write: impl FnOnce(&mut Run)) -> Self {
+        let mut run = Run {
             nodes: Vec::with_capacity(count),
             triangles: Vec::with_capacity(room),
-            repeats: false,
         };
         run.nodes.push(Bvh2Node::default());
         write(&mut run);
         Self::Run(run)
     }
 
-    /// The whole tree, over so many triangles.
-    pub(super) fn into_tree(self, kept: usize) -> Binary {
+    /// The whole tree, over so many triangles, its nodes in the place of references that are done with.
+    pub(super) fn into_tree(self, kept: usize, done: Table<Reference>) -> Binary {
         let (nodes, triangles) = self.len();
         let mut tree = Binary {
-            nodes: pages::zeroed(nodes),
-            triangles: pages::zeroed(triangles),
+            nodes: Table::in_place_of(done, nodes),
+            triangles: Table::zeroed(triangles),
             repeats: triangles > kept,
         };
-        tree.nodes[0] = self.write([1, 0], &mut tree.nodes[1..], &mut tree.triangles);
+        let (root, below) = tree.nodes.split_at_mut(1);
+        root[0] = self.write([1, 0], below, &mut tree.triangles);
         tree
     }
 

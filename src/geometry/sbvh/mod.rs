@@ -19,6 +19,7 @@ mod bounds;
 mod cells;
 mod distribute;
 mod grown;
+mod plan;
 mod reference;
 mod split;
 mod sweep;
@@ -28,8 +29,8 @@ mod tests_of_few_and_many;
 use super::{build::Binary, pages::Table};
 use crate::scene::Mesh;
 use bounds::Bounds;
-use cells::Plan;
-use grown::Grown;
+use grown::{Grown, Run};
+use plan::Plan;
 use rayon::prelude::*;
 use reference::Reference;
 use split::{CHUNK, Grid};
@@ -55,13 +56,18 @@ pub(super) fn build(mesh: &Mesh, kept: &[u32], budget: f32) -> Binary {
     let room = kept.len() + (kept.len() as f32 * budget) as usize;
     let mut from = Table::<Reference>::zeroed(room);
     let mut to = Table::<Reference>::zeroed(room);
-    let bounds = from[..kept.len()]
-        .par_iter_mut()
-        .zip(kept)
-        .map(|(reference, &i)| {
-            let [a, b, c] = mesh.corners(i as usize).map(Bounds::point);
-            *reference = Reference::new(a.union(b).union(c), i);
-            reference.bounds()
+    rayon::join(|| from.clear(), || to.clear());
+    let bounds = from
+        .par_chunks_mut(CHUNK)
+        .zip(kept.par_chunks(CHUNK))
+        .map(|(from, kept)| {
+            let mut bounds = Bounds::EMPTY;
+            for (reference, &i) in from.iter_mut().zip(kept) {
+                let [a, b, c] = mesh.corners(i as usize).map(Bounds::point);
+                *reference = Reference::new(a.union(b).union(c), i);
+                bounds = bounds.union(reference.bounds());
+            }
+            bounds
         })
         .reduce(|| Bounds::EMPTY, Bounds::union);
     let builder = Builder {
@@ -76,8 +82,8 @@ pub(super) fn build(mesh: &Mesh, kept: &[u32], budget: f32) -> Binary {
         depth: 0,
     };
     let grown = builder.grow(root);
-    drop((from, to));
-    grown.into_tree(kept.len())
+    drop(to);
+    grown.into_tree(kept.len(), from)
 }
 
 /// What all nodes share.
@@ -129,8 +135,17 @@ impl<'a> Task<'a> {
 /// Around twice the centres.
 fn centres(references: &[Reference]) -> Bounds {
     let around = |references: &[Reference]| {
-        let twice = references.iter().map(|r| r.bounds().twice_centre());
-        twice.fold(Bounds::EMPTY, Bounds::union)
+        let twice = |r: &Reference| r.bounds().twice_centre();
+        // Four chains of maxima, since each waits for the one before it.
+        let (fours, rest) = references.as_chunks::<4>();
+        let mut sums = [Bounds::EMPTY; 4];
+        for four in fours {
+            for (sum, one) in sums.iter_mut().zip(four) {
+                *sum = sum.union(twice(one));
+            }
+        }
+        let rest = rest.iter().map(twice).fold(Bounds::EMPTY, Bounds::union);
+        sums.into_iter().fold(rest, Bounds::union)
     };
     if references.len() < 2 * CHUNK {
         return around(references);
@@ -189,7 +204,7 @@ impl Builder<'_> {
         to: &mut [Reference],
         depth: u32,
         at: usize,
-        run: &mut Binary,
+        run: &mut Run,
     ) {
         let Some(halves) = &plan.halves else {
             return self.run(Task::of_bucket(plan, from, to, depth), at, run);
@@ -204,9 +219,10 @@ impl Builder<'_> {
     }
 
     /// Builds a subtree whose root is `run.nodes[at]`.
-    fn run(&self, mut task: Task, at: usize, run: &mut Binary) {
+    fn run(&self, mut task: Task, at: usize, run: &mut Run) {
         if task.valid.len() <= FEW {
-            return sweep::grow(&mut task.from[task.valid], task.bounds, at, run);
+            let spare = &mut task.to[..task.valid.len()];
+            return sweep::grow(&mut task.from[task.valid], spare, task.bounds, at, run);
         }
         if let Some(plan) = task.plan() {
             return self.run_plan(&plan, task.to, task.from, task.depth, at, run);

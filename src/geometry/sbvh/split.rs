@@ -6,7 +6,7 @@
 //! tried are those between [`BINS`] equal bins along each axis. The cost of two halves is the sum
 //! of area times blocks of triangles, which is what a leaf costs.
 
-use super::bounds::{Bounds, Least, costs};
+use super::bounds::{Bounds, Least, blocks};
 use super::reference::{Cutter, Reference};
 use crate::scene::Mesh;
 use rayon::prelude::*;
@@ -65,13 +65,13 @@ impl Grid {
         [x, y, z].map(|i| i as usize % BINS)
     }
 
-    /// Whether the bin along `axis`, by its centre, of what has some bounds is `bin` or above; not for
-    /// bin 0.
-    pub(super) fn reaches(&self, axis: usize, bin: usize) -> impl Fn(Bounds) -> bool + use<> {
+    /// Whether the bin along `axis` of a reference, by its centre, is `bin` or above; not for bin 0.
+    pub(super) fn reaches(&self, axis: usize, bin: usize) -> impl Fn(&Reference) -> bool + use<> {
         let (low, scale) = (self.low.as_array()[axis], self.scale.as_array()[axis]);
         let bin = bin as f32;
-        move |bounds| {
-            let lanes = bounds.0.as_array();
+        move |reference| {
+            // From memory, where it lies: to pick a lane of a vector takes longer.
+            let lanes: &[f32; 8] = bytemuck::cast_ref(reference);
             let centre = lanes[axis + 4] - lanes[axis];
             (centre - low) * scale >= bin
         }
@@ -113,23 +113,24 @@ impl Bins {
         self.end[axis][bin] += count;
     }
 
-    /// Bins `references`, in parallel where there are many. Maxima and integer sums do not depend
-    /// on how the work is cut up.
-    fn collect(references: &[Reference], put: impl Fn(&mut Self, &[Reference]) + Sync) -> Self {
+    /// Bins `all`, in parallel where there are at least two of `chunk`. Maxima and integer sums do not
+    /// depend on how the work is cut up.
+    pub(super) fn of<T: Sync>(
+        all: &[T],
+        chunk: usize,
+        put: impl Fn(&mut Self, &[T]) + Sync,
+    ) -> Self {
         let mut bins = Self::EMPTY;
-        if references.len() < 2 * CHUNK {
-            put(&mut bins, references);
+        if all.len() < 2 * chunk {
+            put(&mut bins, all);
             return bins;
         }
-        let parts = references.par_chunks(CHUNK).map(|chunk| {
+        let parts = all.par_chunks(chunk).map(|chunk| {
             let mut bins = Box::new(Self::EMPTY);
             put(&mut bins, chunk);
             bins
         });
-        parts
-            .reduce(|| Box::new(Self::EMPTY), |a, b| a.merge(&b))
-            .as_ref()
-            .clone()
+        *parts.reduce(|| Box::new(Self::EMPTY), |a, b| a.merge(&b))
     }
 
     fn merge(mut self: Box<Self>, other: &Self) -> Box<Self> {
@@ -149,22 +150,29 @@ impl Bins {
         let mut least = Least::new();
         for axis in (0..3).filter(|&axis| divides[axis]) {
             let bounds = &self.bounds[axis];
-            let (mut below, mut above) = ([Bounds::EMPTY; BINS], [Bounds::EMPTY; BINS]);
+            let mut above = [Bounds::EMPTY; BINS];
             let (mut lower, mut upper) = ([0; BINS], [0; BINS]);
-            above[BINS - 1] = bounds[BINS - 1];
-            upper[BINS - 1] = self.end[axis][BINS - 1] as i32;
-            for bin in 1..BINS {
-                below[bin] = below[bin - 1].union(bounds[bin - 1]);
-                lower[bin] = lower[bin - 1] + self.begin[axis][bin - 1] as i32;
-                let bin = BINS - 1 - bin;
-                above[bin] = above[bin + 1].union(bounds[bin]);
-                upper[bin] = upper[bin + 1] + self.end[axis][bin] as i32;
+            let (mut box_above, mut count_above) = (Bounds::EMPTY, 0);
+            for bin in (0..BINS).rev() {
+                box_above = box_above.union(bounds[bin]);
+                count_above += self.end[axis][bin] as i32;
+                (above[bin], upper[bin]) = (box_above, count_above);
             }
+            for bin in 1..BINS {
+                lower[bin] = lower[bin - 1] + self.begin[axis][bin - 1] as i32;
+            }
+            let mut box_below = Bounds::EMPTY;
             for four in (0..BINS).step_by(4) {
-                let boxes = |boxes: &[Bounds; BINS]| std::array::from_fn(|i| boxes[four + i]);
-                let counts = |n: &[i32; BINS]| i32x4::new(std::array::from_fn(|i| n[four + i]));
-                let costs =
-                    costs(boxes(&below), counts(&lower)) + costs(boxes(&above), counts(&upper));
+                let below = [0, 1, 2, 3].map(|i| {
+                    let below = box_below;
+                    box_below = box_below.union(bounds[four + i]);
+                    below
+                });
+                let above = [0, 1, 2, 3].map(|i| above[four + i]);
+                let blocks =
+                    |n: &[i32; BINS]| blocks(i32x4::new([0, 1, 2, 3].map(|i| n[four + i])));
+                let costs = Bounds::half_areas(below) * blocks(&lower)
+                    + Bounds::half_areas(above) * blocks(&upper);
                 least.consider(costs, axis * BINS + four);
             }
         }
@@ -201,7 +209,7 @@ pub(super) fn object(references: &[Reference], grid: &Grid) -> Option<Split> {
             }
         }
     };
-    let mut bins = Bins::collect(references, put);
+    let mut bins = Bins::of(references, CHUNK, put);
     bins.end = bins.begin;
     bins.best(grid.divides())
 }
@@ -235,5 +243,5 @@ pub(super) fn spatial(mesh: &Mesh, references: &[Reference], grid: &Grid) -> Opt
             }
         }
     };
-    Bins::collect(references, put).best(grid.divides())
+    Bins::of(references, CHUNK, put).best(grid.divides())
 }

@@ -3,12 +3,13 @@
 //! references than bins, and there are more such nodes than of all others together: so loops have
 //! fixed lengths, filled up with boxes of nothing, and nothing but the last choice is a branch.
 
-use super::bounds::{Bounds, Least, costs};
+use super::bounds::{Bounds, Least, blocks};
+use super::grown::Run;
 use super::reference::Reference;
-use crate::geometry::build::Binary;
+
 use huygens_kernels::bvh::BLOCK;
 use obvhs::bvh2::node::Bvh2Node;
-use wide::{f32x4, i32x4};
+use wide::{f32x4, f32x8, i32x4, i32x8};
 
 /// Most references that are swept.
 pub(super) const FEW: usize = 16;
@@ -16,8 +17,15 @@ pub(super) const FEW: usize = 16;
 /// the area: they lie far apart. (More splits would gain hardly anything, and cost memory.)
 const SPREAD: f32 = 0.8;
 
-/// Builds the subtree over up to [`FEW`] references, at least one, with its root at `run.nodes[at]`.
-pub(super) fn grow(references: &mut [Reference], bounds: Bounds, at: usize, run: &mut Binary) {
+/// Builds the subtree over up to [`FEW`] references, at least one, with its root at `run.nodes[at]`. What is
+/// in `spare`, which is as long, does not matter.
+pub(super) fn grow(
+    references: &mut [Reference],
+    spare: &mut [Reference],
+    bounds: Bounds,
+    at: usize,
+    run: &mut Run,
+) {
     let n = references.len();
     let split = (n > 1).then(|| sweep(references));
     if n <= BLOCK && split.is_none_or(|split| split.cost >= SPREAD * bounds.half_area()) {
@@ -27,19 +35,21 @@ pub(super) fn grow(references: &mut [Reference], bounds: Bounds, at: usize, run:
         return;
     }
     let Some(split) = split else { return };
-    let mut copy = [Reference::new(Bounds::EMPTY, 0); FEW];
-    copy[..n].copy_from_slice(references);
-    for (to, &from) in references.iter_mut().zip(&split.order) {
-        *to = copy[from as usize % FEW];
-    }
-    let around = |half: &[Reference]| {
-        let boxes = half.iter().map(|r| r.bounds());
-        boxes.fold(Bounds::EMPTY, Bounds::union)
+    let move_half = |half: &mut [Reference], order: &[u8]| {
+        let mut around = Bounds::EMPTY;
+        for (to, &from) in half.iter_mut().zip(order) {
+            *to = references[usize::from(from)];
+            around = around.union(to.bounds());
+        }
+        around
     };
+    let (low, high) = spare.split_at_mut(split.lower);
+    let (low_order, high_order) = split.order.split_at(split.lower);
+    let around = [move_half(low, low_order), move_half(high, high_order)];
     let first = run.fork(at, bounds);
-    let (low, high) = references.split_at_mut(split.lower);
-    grow(low, around(low), first, run);
-    grow(high, around(high), first + 1, run);
+    let (spare_low, spare_high) = references.split_at_mut(split.lower);
+    grow(low, spare_low, around[0], first, run);
+    grow(high, spare_high, around[1], first + 1, run);
 }
 
 /// A way to part at most [`FEW`] references.
@@ -121,27 +131,35 @@ fn along_axes<const N: usize>(references: &[Reference]) -> Sweep {
         centres[i] = boxes[i].twice_centre().max();
     }
     let mut orders = [[0u8; FEW]; 3];
-    for (i, places) in places(&centres).iter().enumerate() {
+    for (i, places) in places(&centres).as_flattened()[..N].iter().enumerate() {
         for axis in 0..3 {
             orders[axis][places[axis] as usize % FEW] = i as u8;
         }
     }
+    // The same along all axes.
+    let counts = |first: usize| i32x4::splat(first as i32) + i32x4::new([0, 1, 2, 3]);
+    let lower: [f32x4; FEW / 4] = std::array::from_fn(|i| blocks(counts(4 * i)));
+    let upper: [f32x4; FEW / 4] =
+        std::array::from_fn(|i| blocks(i32x4::splat(n as i32) - counts(4 * i)));
     let mut least = Least::new();
     for axis in 0..3 {
         let bounds = |i: usize| boxes[orders[axis][i] as usize % N];
-        let (mut below, mut above) = ([Bounds::EMPTY; N], [Bounds::EMPTY; N]);
-        for lower in 1..N {
-            below[lower] = below[lower - 1].union(bounds(lower - 1));
+        let mut above = [Bounds::EMPTY; N];
+        let mut box_above = Bounds::EMPTY;
+        for i in (0..N).rev() {
+            box_above = box_above.union(bounds(i));
+            above[i] = box_above;
         }
-        above[N - 1] = bounds(N - 1);
-        for lower in (1..N - 1).rev() {
-            above[lower] = above[lower + 1].union(bounds(lower));
-        }
+        let mut box_below = Bounds::EMPTY;
         for four in (0..N).step_by(4) {
-            let boxes = |boxes: &[Bounds; N]| std::array::from_fn(|i| boxes[four + i]);
-            let lower = i32x4::splat(four as i32) + i32x4::new([0, 1, 2, 3]);
-            let upper = i32x4::splat(n as i32) - lower;
-            let costs = costs(boxes(&below), lower) + costs(boxes(&above), upper);
+            let below = [0, 1, 2, 3].map(|i| {
+                let below = box_below;
+                box_below = box_below.union(bounds(four + i));
+                below
+            });
+            let above = [0, 1, 2, 3].map(|i| above[four + i]);
+            let costs = Bounds::half_areas(below) * lower[four / 4]
+                + Bounds::half_areas(above) * upper[four / 4];
             least.consider(costs, axis * N + four);
         }
     }
@@ -154,18 +172,23 @@ fn along_axes<const N: usize>(references: &[Reference]) -> Sweep {
     }
 }
 
-/// Which place each centre has along each axis; equal ones keep their order.
+/// Which place each centre has along each axis, by pairs of centres; equal ones keep their order.
 #[inline(always)]
-fn places<const N: usize>(centres: &[f32x4; N]) -> [[i32; 4]; N] {
-    std::array::from_fn(|i| {
-        // What is true is -1.
-        let mut place = i32x4::ZERO;
-        for j in 0..i {
-            place -= bytemuck::cast::<f32x4, i32x4>(centres[j].simd_le(centres[i]));
+fn places<const N: usize>(centres: &[f32x4; N]) -> [[[i32; 4]; 2]; FEW / 2] {
+    let mut places = [[[0; 4]; 2]; FEW / 2];
+    for pair in 0..N / 2 {
+        let (first, second) = (2 * pair, 2 * pair + 1);
+        let both: f32x8 = bytemuck::cast([centres[first], centres[second]]);
+        let other = |j: usize| bytemuck::cast::<[f32x4; 2], f32x8>([centres[j]; 2]);
+        // What is true is -1. The first will be found to be no larger than itself.
+        let mut place = i32x8::new([-1, -1, -1, -1, 0, 0, 0, 0]);
+        for j in 0..=first {
+            place -= bytemuck::cast::<f32x8, i32x8>(other(j).simd_le(both));
         }
-        for j in i + 1..N {
-            place -= bytemuck::cast::<f32x4, i32x4>(centres[j].simd_lt(centres[i]));
+        for j in second..N {
+            place -= bytemuck::cast::<f32x8, i32x8>(other(j).simd_lt(both));
         }
-        place.to_array()
-    })
+        places[pair] = bytemuck::cast(place);
+    }
+    places
 }

@@ -1,7 +1,8 @@
 //! What must hold of the splits of a few references, and of a grid's.
 
 use super::bounds::Bounds;
-use super::cells::{self, Plan};
+use super::cells;
+use super::plan::Plan;
 use super::reference::Reference;
 use super::{centres, sweep};
 use huygens_kernels::bvh::BLOCK;
