@@ -5,7 +5,7 @@ mod tracing;
 
 use huygens::geometry::{Geometry, Preset};
 use huygens::scene::{Instance, Object, Scene};
-use huygens_kernels::levels::{Everything, Filter};
+use huygens_kernels::levels::Filter;
 use huygens_kernels::rays::NO_PRIMITIVE;
 use tracing::worlds::{Truth, empty, mixed, placement, truths};
 use tracing::{Hit, Random, RaySet, bumpy_sphere, cube, oracle, random_soup};
@@ -212,6 +212,16 @@ fn a_closed_copy_has_no_leaks() {
     }
 }
 
+/// Asks, so that rays take the way of two levels, and has everything there.
+struct All;
+
+impl Filter for All {
+    const ASKS: bool = true;
+    fn accepts(&self, _: usize, _: u32, _: f32, _: f32) -> bool {
+        true
+    }
+}
+
 #[test]
 fn triangles_alone_are_met_alike_by_both_kernels() {
     for mesh in [cube(), random_soup(3000, 12), bumpy_sphere(4, 0.05)] {
@@ -220,7 +230,7 @@ fn triangles_alone_are_met_alike_by_both_kernels() {
         let plain = rays.closest(&geometry);
         let mut by_levels = Vec::new();
         rays.each(
-            |rays, hits| geometry.closest_where(&Everything, rays, hits),
+            |rays, hits| geometry.closest_among(&All, None, rays, hits),
             &mut by_levels,
         );
         for (i, (a, b)) in plain.iter().zip(&by_levels).enumerate() {
@@ -233,7 +243,7 @@ fn triangles_alone_are_met_alike_by_both_kernels() {
         rays.t_max.fill(0.7);
         let mut occluded = Vec::new();
         rays.each_segment(
-            |segments, out| geometry.occluded_where(&Everything, segments, out),
+            |segments, out| geometry.occluded_among(&All, None, segments, out),
             &mut occluded,
         );
         assert_eq!(rays.occluded(&geometry), occluded);
@@ -262,7 +272,7 @@ fn masked_triangles_are_met_where_they_are_not_holes() {
     }
     let mut hits: Vec<Hit> = Vec::new();
     rays.each(
-        |rays, hits| geometry.closest_where(&Checks, rays, hits),
+        |rays, hits| geometry.closest_among(&Checks, None, rays, hits),
         &mut hits,
     );
     let mut scene = empty();
@@ -314,7 +324,7 @@ fn masked_triangles_are_met_where_they_are_not_holes() {
     );
     let mut occluded = Vec::new();
     segments.each_segment(
-        |segments, out| geometry.occluded_where(&Checks, segments, out),
+        |segments, out| geometry.occluded_among(&Checks, None, segments, out),
         &mut occluded,
     );
     assert_eq!(occluded, expected);

@@ -53,6 +53,15 @@ impl Node {
         spare: u32x8::new([0; WIDTH]),
     };
 
+    /// The largest coordinate of its boxes that is finite, without its sign.
+    #[must_use]
+    pub fn extent(&self) -> f32 {
+        // Unused slots have infinite planes.
+        let planes = self.planes.iter();
+        let sizes = planes.flat_map(|row| row.to_array()).map(f32::abs);
+        sizes.filter(|size| size.is_finite()).fold(0.0, f32::max)
+    }
+
     /// Fills slot `slot` with the box `min ..= max` and a reference.
     pub fn set(&mut self, slot: usize, min: [f32; 3], max: [f32; 3], child: u32) {
         for axis in 0..3 {

@@ -26,7 +26,8 @@ use crate::vec3::Columns;
 use crate::{compact::Kept, visits};
 
 mod deal;
-use deal::{Eight, deal, load_part};
+pub(crate) use deal::load_part;
+use deal::{Eight, deal};
 
 /// Most vertices of a [`Few`].
 pub const MAX_VERTICES: usize = 256;

@@ -34,8 +34,12 @@ pub struct Instance {
     pub root: u32,
     /// Its motion among those of its world, or `motion::STILL`.
     pub motion: u32,
+    /// The largest coordinate of the boxes of its object, in the object's space: see [`Node::extent`].
+    ///
+    /// [`Node::extent`]: crate::bvh::Node::extent
+    pub extent: f32,
     /// Fills the second cache line.
-    pub spare: [u32; 6],
+    pub spare: [u32; 5],
 }
 
 /// The instance wears what its object wears.

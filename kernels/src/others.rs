@@ -18,6 +18,7 @@
 //! roundings (`sphere.rs`).
 
 mod interpolate;
+mod maps;
 
 use crate::instance::{Guide, Instance, OWN_MATERIAL};
 use crate::interpolate::Attributes;
@@ -27,6 +28,7 @@ use crate::sphere::{self, Sphere};
 use crate::surface::{Corners, Place, clearance, gamma};
 use crate::tables::Triangles;
 use crate::vec3::Vec3x;
+use maps::{Maps, transform};
 
 /// The triangles of an object, in its own space.
 #[derive(Clone, Copy, Debug)]
@@ -93,7 +95,8 @@ static HOME: Instance = {
         material: OWN_MATERIAL,
         root: 0,
         motion: STILL,
-        spare: [0; 6],
+        extent: 0.0,
+        spare: [0; 5],
     }
 };
 
@@ -185,6 +188,14 @@ impl Others<'_> {
         [0, 1].map(|k| Fx::new(codes.map(|code| code[k])))
     }
 
+    /// Whether all lanes hold triangles of the world. Those are found here and there by one arithmetic, so
+    /// that it does not show which lanes a hit shares a vector with.
+    #[inline(always)]
+    #[must_use]
+    pub fn are_of_world(&self, primitive: Ux) -> bool {
+        as_mask(primitive.simd_lt(Ux::splat(self.first))).all()
+    }
+
     /// Where hits are, whatever was hit, at their `times` if anything moves.
     #[inline(never)]
     #[must_use]
@@ -228,7 +239,9 @@ impl Others<'_> {
         }
         let first = names.map(|name| name < self.first);
         let home: Mask = as_mask(Ux::new(first.map(|home| if home { !0 } else { 0 })));
+        let copies = self.first + self.spheres.len() as u32;
         let on_triangle = match times {
+            _ if names.iter().all(|&name| name < copies) => corners_of(&corners).place(u, v),
             None => copied(&corners, &maps, home, u, v, Fx::splat(gamma(40.0))),
             Some(times) => {
                 let (moved, roundings) = self.moved(&maps, times);
@@ -257,50 +270,6 @@ impl Place {
             clearance: mask.select(a.clearance, b.clearance),
             material: as_bits(mask).select(a.material, b.material),
         }
-    }
-}
-
-/// The product of a matrix, one a lane, with a vector, plus another.
-#[inline(always)]
-fn transform(rows: [Vec3x; 3], p: Vec3x, plus: Vec3x) -> Vec3x {
-    let [x, y, z] = rows;
-    let row = |r: Vec3x, plus: Fx| r.x.mul_add(p.x, r.y.mul_add(p.y, r.z.mul_add(p.z, plus)));
-    Vec3x::new(row(x, plus.x), row(y, plus.y), row(z, plus.z))
-}
-
-/// The rows of the instances' maps, a lane each.
-struct Maps {
-    to_world: [Vec3x; 3],
-    to_object: [Vec3x; 3],
-    transposed: [Vec3x; 3],
-    origin: Vec3x,
-}
-
-impl Maps {
-    #[inline(always)]
-    fn gather(maps: &[&Instance; LANES]) -> Self {
-        let of = |entry: &dyn Fn(&Instance) -> f32| Fx::new(maps.map(entry));
-        let row = |m: &dyn Fn(&Instance) -> [f32; 3]| {
-            Vec3x::new(of(&|i| m(i)[0]), of(&|i| m(i)[1]), of(&|i| m(i)[2]))
-        };
-        Self {
-            to_world: [0, 1, 2].map(|k| row(&|i| i.to_world[k])),
-            to_object: [0, 1, 2].map(|k| row(&|i| i.to_object[k])),
-            transposed: [0, 1, 2].map(|k| row(&|i| i.to_object.map(|row| row[k]))),
-            origin: row(&|i| i.origin),
-        }
-    }
-
-    /// A normal of the object in the world, of unit length.
-    #[inline(always)]
-    fn normal(&self, normal: Vec3x) -> Vec3x {
-        let largest = self
-            .to_object
-            .iter()
-            .fold(Fx::ZERO, |m, row| m.fast_max(row.abs().max_component()));
-        // First to entries of about 1, so that no square overflows.
-        let scaled = normal * (Fx::ONE / largest);
-        transform(self.transposed, scaled, Vec3x::splat([0.0; 3])).normalized()
     }
 }
 
@@ -338,19 +307,20 @@ fn copied(
         origin,
         ..
     } = maps;
+    let whole = corners.place(u, v);
     let (p, s) = corners.point(u, v);
     let point = transform(to_world, p, origin);
-    let normal = corners.unit_normal();
-    let outside = Vec3x::select(home, normal, maps.normal(normal));
+    let outside = maps.normal(whole.outside);
     let seen = transform(to_object.map(Vec3x::abs), (point - origin).abs(), s);
     let error = transform(to_world.map(Vec3x::abs), seen, origin.abs());
-    let copy = outside.abs().dot(error) * roundings;
-    Place {
+    let clearance = outside.abs().dot(error) * roundings;
+    let copy = Place {
         point,
         outside,
-        clearance: home.select(clearance(s, normal), copy),
+        clearance,
         material: Ux::ZERO,
-    }
+    };
+    Place::select(home, whole, copy)
 }
 
 /// Points on spheres.

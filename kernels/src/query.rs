@@ -51,7 +51,7 @@ impl Prepared {
 
     /// A distance of the caller's in the kernel's units.
     #[inline(always)]
-    fn inward(&self, t: f32) -> f32 {
+    pub(crate) fn inward(&self, t: f32) -> f32 {
         (f64::from(t) / self.scale) as f32
     }
 

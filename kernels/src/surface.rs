@@ -91,6 +91,20 @@ impl Corners {
             .scale_add(v, self.e1.abs().scale_add(u, self.v0.abs()));
         (p, s)
     }
+
+    /// That point as a place, of no material.
+    #[inline(always)]
+    #[must_use]
+    pub fn place(&self, u: Fx, v: Fx) -> Place {
+        let outside = self.unit_normal();
+        let (point, s) = self.point(u, v);
+        Place {
+            point,
+            outside,
+            clearance: clearance(s, outside),
+            material: Ux::ZERO,
+        }
+    }
 }
 
 /// How far along the unit vector `normal`, to either side, a point is off its surface for certain;
@@ -158,18 +172,14 @@ impl Place {
         v: Fx,
         times: impl FnOnce() -> Option<Fx>,
     ) -> Self {
-        // The same for the whole render.
-        if let Some(others) = called_for(triangles.others.as_ref()) {
+        if let Some(others) = called_for(triangles.others.as_ref())
+            && !others.are_of_world(primitive)
+        {
             return others.place(triangles, primitive, u, v, times());
         }
-        let corners = Corners::gather(triangles, primitive);
-        let outside = corners.unit_normal();
-        let (point, s) = corners.point(u, v);
         Self {
-            point,
-            outside,
-            clearance: clearance(s, outside),
             material: gather_u32(triangles.material, primitive),
+            ..Corners::gather(triangles, primitive).place(u, v)
         }
     }
 }

@@ -1,14 +1,17 @@
 //! What rays meet. Everything above sees only [`Geometry`].
 //!
 //! Triangles -> boxes -> binary tree (`build`, `sbvh`, `ploc`) -> eight children a node (`collapse`) ->
-//! tables (`layout`), which the kernels walk. A scene with spheres or instances has such a tree for
-//! each object, and one over it all (`world`, `top`).
+//! tables (`layout`), which the kernels walk. A scene with spheres, instances or triangles that are not
+//! wholly there has such a tree for each object and one for those triangles, and one over all that
+//! (`world`, `top`). Its other triangles are traced as if there were nothing else, and first.
 
 mod build;
 mod collapse;
+mod few;
 mod layout;
 mod motion;
 mod pages;
+mod part;
 mod ploc;
 mod reinsert;
 mod sbvh;
@@ -21,35 +24,31 @@ use crate::scene::{Mesh, Motion, Scene};
 pub use crate::settings::Preset;
 use build::Binary;
 use collapse::Collapse;
+use few::FewTables;
 use huygens_kernels::bare::COMPLETE;
 use huygens_kernels::bvh::{Block, Bvh, Node};
-use huygens_kernels::few::Triangle;
 use huygens_kernels::instance::{Guide, Instance};
 use huygens_kernels::levels::{self, Everything, Filter};
-use huygens_kernels::rays::{Hits, Rays, Segments};
+use huygens_kernels::rays::{Hits, NO_PRIMITIVE, Rays, Segments};
 use huygens_kernels::sphere::Sphere;
-use huygens_kernels::{few, many, packet};
+use huygens_kernels::{many, packet};
 use layout::Layout;
 use obvhs::aabb::Aabb;
+use part::Part;
 use world::World;
-
-/// Up to so many triangles are all tested rather than sought through the tree: see
-/// `docs/performance/rays.md`.
-const FEW: usize = 48;
 
 /// The acceleration structure over a mesh.
 #[derive(Debug, Default)]
 pub struct Geometry {
     layout: Layout,
     bounds: Option<[[f32; 3]; 2]>,
-    /// All triangles, by rising index, where they are few; else none.
+    /// The triangles of the tree, by rising index, where they are few; else none.
     few: FewTables,
-    /// What is no triangle of the world, where there is anything.
+    /// Whether the triangles of the tree are known to be wholly there.
+    whole: bool,
+    /// What is not in the tree, where there is anything.
     world: Option<World>,
 }
-
-/// Rays under way together in worlds of two levels: see `docs/performance/rays.md`.
-const IN_FLIGHT: usize = 32;
 
 /// A tree and its box; none over nothing.
 fn tree(mesh: &Mesh, preset: Preset) -> Option<(Layout, Aabb)> {
@@ -74,20 +73,35 @@ impl Geometry {
     /// As [`Geometry::build_with`].
     #[must_use]
     pub fn of(scene: &Scene, preset: Preset) -> Self {
-        if scene.spheres.is_empty() && scene.instances.is_empty() {
-            return Self::build_with(&scene.mesh, preset);
+        let is_cut = |&m: &u32| scene.materials[m as usize].alpha.is_some();
+        let any_cut = scene.mesh.material.iter().any(is_cut);
+        if scene.spheres.is_empty() && scene.instances.is_empty() && !any_cut {
+            return Self {
+                whole: true,
+                ..Self::build_with(&scene.mesh, preset)
+            };
         }
-        let (mut layout, root) = match tree(&scene.mesh, preset) {
+        let (few, own, cut) = if any_cut {
+            let part = |wanted: bool| Part::new(&scene.mesh, |m| is_cut(m) == wanted);
+            let (whole, cut) = (part(false), part(true));
+            let few = FewTables::new(&whole.mesh, |i| whole.numbers[i]);
+            (few, whole.tree(preset), cut.tree(preset))
+        } else {
+            let few = FewTables::new(&scene.mesh, |i| i as u32);
+            (few, tree(&scene.mesh, preset), None)
+        };
+        let (mut layout, root) = match own {
             Some((layout, root)) => (layout, Some(root)),
             None => (Layout::default(), None),
         };
-        let world = World::new(scene, &mut layout, root, |object| {
+        let world = World::new(scene, &mut layout, root, cut, |object| {
             tree(&scene.objects[object].mesh, preset)
         });
         Self {
             layout,
             bounds: world.bounds(),
-            few: FewTables::default(),
+            few,
+            whole: true,
             world: Some(world),
         }
     }
@@ -118,7 +132,8 @@ impl Geometry {
         Self {
             layout,
             bounds: Some([root.min.to_array(), root.max.to_array()]),
-            few: FewTables::new(mesh),
+            few: FewTables::new(mesh, |i| i as u32),
+            whole: false,
             world: None,
         }
     }
@@ -126,63 +141,101 @@ impl Geometry {
     /// Closest hit of each ray.
     pub fn closest(&self, rays: Rays, hits: Hits) {
         if COMPLETE && self.world.is_some() {
-            self.closest_where(&Everything, rays, hits);
-        } else if self.few.triangles.is_empty() {
-            packet::closest(self.bvh(), rays, hits);
+            self.closest_among(&Everything, None, rays, hits);
         } else {
-            many::closest_of_few(self.few.view(), rays, hits);
+            self.closest_in_tree(rays, hits);
         }
     }
 
     /// For each segment: 1 if something lies on it, 0 if its ends see each other.
     pub fn occluded(&self, segments: Segments, occluded: &mut [u32]) {
         if COMPLETE && self.world.is_some() {
-            self.occluded_where(&Everything, segments, occluded);
-        } else if self.few.triangles.is_empty() {
+            self.occluded_among(&Everything, None, segments, occluded);
+        } else {
+            self.occluded_in_tree(segments, occluded);
+        }
+    }
+
+    /// Closest hit of each ray among those that `filter` accepts: what it rejects is as if it were not
+    /// there. Of a scene it is asked only about what wears a material with an opacity. Where instances
+    /// move, ray `i` lives at `times[i]`.
+    pub fn closest_among<F: Filter>(
+        &self,
+        filter: &F,
+        times: Option<&[f32]>,
+        rays: Rays,
+        mut hits: Hits,
+    ) {
+        if self.is_certain::<F>() {
+            self.closest_in_tree(rays, hits.part(0..rays.len));
+        } else {
+            hits.primitive[..rays.len].fill(NO_PRIMITIVE);
+        }
+        if let Some(levels) = self.levels::<F>() {
+            levels::nearer(&levels, filter, times, rays, hits);
+        }
+    }
+
+    /// For each segment: 1 if something lies on it that `filter` accepts, else 0; as
+    /// [`Geometry::closest_among`].
+    pub fn occluded_among<F: Filter>(
+        &self,
+        filter: &F,
+        times: Option<&[f32]>,
+        segments: Segments,
+        occluded: &mut [u32],
+    ) {
+        if self.is_certain::<F>() {
+            self.occluded_in_tree(segments, occluded);
+        } else {
+            occluded[..segments.len].fill(0);
+        }
+        if let Some(levels) = self.levels::<F>() {
+            levels::obstructed(&levels, filter, times, segments, occluded);
+        }
+    }
+
+    /// What is not in the tree, as kernels see it, where there is anything.
+    #[must_use]
+    pub fn beside(&self) -> Option<levels::World<'_>> {
+        self.world.as_ref().map(|world| world.view(self.bvh()))
+    }
+
+    /// Whether the tree's triangles are met whatever a filter says, and there are some.
+    fn is_certain<F: Filter>(&self) -> bool {
+        let any = self.world.as_ref().is_none_or(|world| world.has_own);
+        any && (self.whole || !F::ASKS)
+    }
+
+    /// What a filter must be asked about, and all that is not in the tree.
+    fn levels<F: Filter>(&self) -> Option<levels::World<'_>> {
+        let all = || levels::World::of_triangles(self.bvh());
+        self.beside()
+            .or_else(|| (!self.is_certain::<F>()).then(all))
+    }
+
+    /// Closest hit of each ray among the triangles of the tree.
+    fn closest_in_tree(&self, rays: Rays, hits: Hits) {
+        if self.few.is_empty() {
+            packet::closest(self.bvh(), rays, hits);
+        } else {
+            many::closest_of_few(self.few.view(), rays, hits);
+        }
+    }
+
+    /// Whether some triangle of the tree lies on each segment.
+    fn occluded_in_tree(&self, segments: Segments, occluded: &mut [u32]) {
+        if self.few.is_empty() {
             many::occluded(self.bvh(), segments, occluded);
         } else {
             many::occluded_by_few(self.few.view(), segments, occluded);
         }
     }
 
-    /// Closest hit of each ray among those that `filter` accepts: what it rejects is as if it were
-    /// not there. The traversal is the one for worlds of two levels, whatever the scene.
-    pub fn closest_where(&self, filter: &impl Filter, rays: Rays, hits: Hits) {
-        levels::closest::<IN_FLIGHT>(&self.levels(), filter, rays, hits);
-    }
-
-    /// For each segment: 1 if something lies on it that `filter` accepts, else 0.
-    pub fn occluded_where(&self, filter: &impl Filter, segments: Segments, occluded: &mut [u32]) {
-        levels::occluded::<IN_FLIGHT>(&self.levels(), filter, segments, occluded);
-    }
-
-    /// [`Geometry::closest_where`] where instances move: ray `i` lives at `times[i]`.
-    pub fn closest_at(&self, filter: &impl Filter, times: &[f32], rays: Rays, hits: Hits) {
-        levels::closest_at::<IN_FLIGHT>(&self.levels(), filter, times, rays, hits);
-    }
-
-    /// [`Geometry::occluded_where`] where instances move: segment `i` lives at `times[i]`.
-    pub fn occluded_at(
-        &self,
-        filter: &impl Filter,
-        times: &[f32],
-        segments: Segments,
-        occluded: &mut [u32],
-    ) {
-        levels::occluded_at::<IN_FLIGHT>(&self.levels(), filter, times, segments, occluded);
-    }
-
     /// How instances move, those that do.
     #[must_use]
     pub fn motions(&self) -> &[Motion] {
         self.world.as_ref().map_or(&[], |world| &world.motions)
-    }
-
-    fn levels(&self) -> levels::World<'_> {
-        match &self.world {
-            Some(world) => world.view(self.bvh()),
-            None => levels::World::of_triangles(self.bvh()),
-        }
     }
 
     /// Instances as kernels see them, and what finds the one that a hit belongs to.
@@ -260,57 +313,6 @@ impl Geometry {
             tables.extend(world.memory());
         }
         tables
-    }
-}
-
-/// The triangles of a mesh that has few.
-#[derive(Debug, Default)]
-struct FewTables {
-    /// Different ones, those of finite triangles.
-    vertices: Vec<[f32; 3]>,
-    triangles: Vec<Triangle>,
-}
-
-impl FewTables {
-    fn new(mesh: &Mesh) -> Self {
-        let mut few = Self::default();
-        if mesh.triangles() > FEW {
-            return few;
-        }
-        for i in 0..mesh.triangles() {
-            let corners = mesh.corners(i);
-            if corners.as_flattened().iter().all(|c| c.is_finite()) {
-                let corners = corners.map(|c| few.place(c));
-                few.triangles.push(Triangle {
-                    primitive: i as u32,
-                    corners,
-                });
-            }
-        }
-        few
-    }
-
-    /// The place of a vertex. At most three for each of [`FEW`] triangles, so a byte holds it.
-    fn place(&mut self, vertex: [f32; 3]) -> u8 {
-        const { assert!(3 * FEW <= few::MAX_VERTICES) };
-        let bits = |v: &[f32; 3]| v.map(f32::to_bits);
-        let known = self.vertices.iter().position(|v| bits(v) == bits(&vertex));
-        let place = known.unwrap_or_else(|| {
-            self.vertices.push(vertex);
-            self.vertices.len() - 1
-        });
-        place as u8
-    }
-
-    fn view(&self) -> few::Few<'_> {
-        few::Few {
-            vertices: &self.vertices,
-            triangles: &self.triangles,
-        }
-    }
-
-    fn bytes(&self) -> usize {
-        size_of_val(&self.vertices[..]) + size_of_val(&self.triangles[..])
     }
 }
 

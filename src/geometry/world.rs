@@ -1,11 +1,15 @@
-//! A world of two levels: a tree an object, one over the world's own triangles, and the tree over
-//! all of that and the spheres (`top.rs`), in the tables that `kernels/src/levels.rs` walks.
+//! A world of two levels: a tree an object, one over those of the world's own triangles that are not wholly
+//! there, and the tree over all of that and the spheres (`top.rs`), in the tables that
+//! `kernels/src/levels.rs` walks.
+
+mod boxes;
 
 use super::layout::Layout;
 use super::motion::swept;
 use super::top::{Item, Top};
 use crate::scene::{Motion, Placement, Scene};
-use glam::{DVec3, Vec3A};
+pub(super) use boxes::outwards;
+use boxes::{around, parts, placed};
 use huygens_kernels::bvh::{Bvh, LEAF, NOTHING, Node, index, leaf};
 use huygens_kernels::instance::{Guide, Instance, OWN_MATERIAL};
 use huygens_kernels::levels;
@@ -18,6 +22,10 @@ use obvhs::aabb::Aabb;
 pub(super) struct World {
     root: u32,
     own_root: u32,
+    /// Most nodes on a way from the root through an object.
+    depth: usize,
+    /// Whether there is a tree of the world's own triangles besides.
+    pub(super) has_own: bool,
     aabb: Option<Aabb>,
     blocks: Vec<SphereBlock>,
     /// By rising number of the first triangle.
@@ -29,34 +37,46 @@ pub(super) struct World {
     pub(super) spheres: Vec<Sphere>,
 }
 
-/// A tree among others: where its root is, and its box.
+/// A tree among others: where its root is, its box, and the boxes two levels below.
 struct Rooted {
     root: u32,
     aabb: Aabb,
+    parts: Vec<Aabb>,
 }
 
 impl World {
-    /// Puts the trees of a scene's objects, and the one over everything, behind `own`, the tree of
-    /// its own triangles with its box. `tree` builds the tree of an object.
+    /// Puts the trees of a scene's objects, that of those of its own triangles that are not wholly there
+    /// (`cut`), and the one over all that, behind `own`, the tree of its other triangles with its box. `tree`
+    /// builds the tree of an object.
     ///
     /// # Panics
-    /// If hits cannot be numbered with 32 bits: a compiled scene promises it.
+    /// If hits cannot be numbered with 32 bits: a compiled scene promises it. On more than 2^30 blocks.
     pub(super) fn new(
         scene: &Scene,
         own: &mut Layout,
         own_box: Option<Aabb>,
+        cut: Option<(Layout, Aabb)>,
         tree: impl Fn(usize) -> Option<(Layout, Aabb)>,
     ) -> Self {
-        let own_root = Rooted::own(own_box);
+        let mut below = 0;
+        let mut behind = |(layout, aabb): (Layout, Aabb)| {
+            below = below.max(layout.depth);
+            Rooted::behind(own, &layout, aabb)
+        };
         let objects: Vec<Option<Rooted>> = (0..scene.objects.len())
-            .map(|i| tree(i).map(|(layout, aabb)| Rooted::behind(own, &layout, aabb)))
+            .map(|i| tree(i).map(&mut behind))
             .collect();
+        let cut = cut.map(behind);
+        assert!(
+            own.blocks.len() <= levels::DOOR as usize,
+            "at most 2^30 blocks"
+        );
         let mut first = (scene.mesh.triangles() + scene.spheres.len()) as u64;
         let (mut instances, mut items) = (Vec::new(), Vec::new());
         let mut motions = Vec::new();
         for instance in &scene.instances {
             let object = instance.object as usize;
-            let Some(Rooted { root, aabb }) = &objects[object] else {
+            let Some(Rooted { root, aabb, parts }) = &objects[object] else {
                 continue;
             };
             let Placement {
@@ -65,7 +85,7 @@ impl World {
                 origin,
             } = instance.placement;
             let (motion, aabb) = match &instance.motion {
-                None => (STILL, placed(aabb, &instance.placement)),
+                None => (STILL, placed(parts, &instance.placement)),
                 Some(motion) => {
                     motions.push(*motion);
                     let moves = swept(aabb, &instance.placement, motion);
@@ -85,15 +105,16 @@ impl World {
                 material: instance.material.unwrap_or(OWN_MATERIAL),
                 root: *root,
                 motion,
-                spare: [0; 6],
+                extent: own.nodes[*root as usize].extent(),
+                spare: [0; 5],
             });
             first += scene.objects[object].mesh.triangles() as u64;
         }
         let end = u32::try_from(first).expect("hits are numbered with 32 bits");
         let guide = Guide::new(&instances, end);
-        if let Some(own) = &own_root {
+        if let Some(cut) = &cut {
             items.push(Item {
-                aabb: own.aabb,
+                aabb: cut.aabb,
                 is_sphere: false,
             });
         }
@@ -105,10 +126,13 @@ impl World {
         }));
         let mut world = Self {
             root: NOTHING,
-            own_root: own_root.map_or(NOTHING, |own| own.root),
+            own_root: cut.map_or(NOTHING, |cut| cut.root),
+            depth: 0,
+            has_own: own_box.is_some(),
             aabb: items
                 .iter()
                 .map(|item| item.aabb)
+                .chain(own_box)
                 .reduce(|a, b| a.union(&b)),
             blocks: Vec::new(),
             instances,
@@ -137,6 +161,7 @@ impl World {
             }
         });
         own.depth += depth;
+        world.depth = below + depth;
         let first = own.nodes.len() as u32;
         let blocks = world.blocks.len();
         own.nodes.extend(nodes.into_iter().map(|mut node| {
@@ -161,6 +186,7 @@ impl World {
             bvh,
             root: self.root,
             own_root: self.own_root,
+            depth: self.depth,
             spheres: &self.blocks,
             instances: &self.instances,
             motions: &self.motions,
@@ -181,10 +207,6 @@ impl World {
 }
 
 impl Rooted {
-    fn own(aabb: Option<Aabb>) -> Option<Self> {
-        aabb.map(|aabb| Self { root: 0, aabb })
-    }
-
     /// Puts a tree behind others.
     fn behind(all: &mut Layout, tree: &Layout, aabb: Aabb) -> Self {
         let (root, block) = (all.nodes.len() as u32, all.blocks.len());
@@ -202,7 +224,11 @@ impl Rooted {
         all.blocks.extend(tree.blocks.iter().copied());
         all.triangles += tree.triangles;
         all.depth = all.depth.max(tree.depth);
-        Self { root, aabb }
+        Self {
+            root,
+            aabb,
+            parts: parts(&tree.nodes),
+        }
     }
 }
 
@@ -211,30 +237,4 @@ fn in_kernels(sphere: &crate::scene::Sphere) -> Sphere {
         centre: sphere.centre,
         radius: sphere.radius,
     }
-}
-
-/// Rounded outwards from f64: to the next f32 of what the cast has rounded to the nearest, and that
-/// of one more for the rounding of the f64.
-pub(super) fn outwards(low: DVec3, high: DVec3) -> Aabb {
-    let low = low.to_array().map(|c| (c as f32).next_down().next_down());
-    let high = high.to_array().map(|c| (c as f32).next_up().next_up());
-    Aabb::new(Vec3A::from_array(low), Vec3A::from_array(high))
-}
-
-fn around(sphere: &Sphere) -> Aabb {
-    let centre = DVec3::from_array(sphere.centre.map(f64::from));
-    let radius = DVec3::splat(sphere.radius.into());
-    outwards(centre - radius, centre + radius)
-}
-
-/// The box around the image of a box: of each axis the sum of its edges' images (J. Arvo,
-/// "Transforming Axis-Aligned Bounding Boxes", *Graphics Gems*, 1990).
-fn placed(aabb: &Aabb, placement: &Placement) -> Aabb {
-    let map = placement.map();
-    let (low, high) = (aabb.min.as_dvec3(), aabb.max.as_dvec3());
-    let centre = map.transform_point3(0.5 * (low + high));
-    let half = 0.5 * (high - low);
-    let m = map.matrix3;
-    let reach = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
-    outwards(centre - reach, centre + reach)
 }

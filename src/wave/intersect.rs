@@ -76,12 +76,9 @@ pub(crate) fn intersect(
     };
     match (obstacles.opacities, obstacles.times) {
         (None, None) => geometry.closest(rays, found),
-        (None, Some(times)) => geometry.closest_at(&Everything, times, rays, found),
-        (Some(opacities), None) => {
-            geometry.closest_where(&There { opacities, name }, rays, found);
-        }
-        (Some(opacities), Some(times)) => {
-            geometry.closest_at(&There { opacities, name }, times, rays, found);
+        (None, times) => geometry.closest_among(&Everything, times, rays, found),
+        (Some(opacities), times) => {
+            geometry.closest_among(&There { opacities, name }, times, rays, found);
         }
     }
     hits.set_len(n);
@@ -126,12 +123,9 @@ pub(crate) fn occlude(
     for _ in 0..slowed::times(Stage::Occlude) {
         match (obstacles.opacities, obstacles.times) {
             (None, None) => geometry.occluded(segments, answers),
-            (None, Some(times)) => geometry.occluded_at(&Everything, times, segments, answers),
-            (Some(opacities), None) => {
-                geometry.occluded_where(&There { opacities, name }, segments, answers);
-            }
-            (Some(opacities), Some(times)) => {
-                geometry.occluded_at(&There { opacities, name }, times, segments, answers);
+            (None, times) => geometry.occluded_among(&Everything, times, segments, answers),
+            (Some(opacities), times) => {
+                geometry.occluded_among(&There { opacities, name }, times, segments, answers);
             }
         }
     }

@@ -73,6 +73,9 @@ impl<'a> SceneTables<'a> {
     }
 
     fn view_of_others(&'a self, scene: &'a Scene, geometry: &'a Geometry) -> Option<Others<'a>> {
+        if scene.spheres.is_empty() && scene.instances.is_empty() {
+            return None;
+        }
         let (instances, guide) = geometry.instances();
         Some(Others {
             first: scene.mesh.triangles() as u32,

@@ -5,8 +5,8 @@
 //! masks, twice two moves a coordinate. That costs less than to bring rays together and their answers
 //! back. The rays of which some edge function was in doubt are asked about again one at a time.
 
-use super::prepare::Sixteen;
 use super::simd::{load_part, store_lanes};
+use super::sixteen::Sixteen;
 use crate::few::{self, Few, MAX_VERTICES, Triangle};
 use crate::rays::{Hits, NO_PRIMITIVE, Rays, Segments};
 use crate::triangle::{CONTACT, SURE};

@@ -7,6 +7,7 @@ use super::N;
 use super::simd::{four_each, lanes_below, load4_u32, load16, store4, store16};
 use super::slot::{Slot, key};
 use crate::bvh::{Block, Bvh, index};
+use crate::query::Prepared;
 use crate::triangle::{CONTACT, SURE};
 use std::arch::x86_64::*;
 
@@ -291,4 +292,26 @@ pub(super) fn blocked(found: &Found<__m512, __mmask16>, slots: &[Slot; N], ids: 
     u32::from(_mm512_mask_cmp_ps_mask::<_CMP_LT_OQ>(
         found.met, found.t, end,
     ))
+}
+
+/// Triangles that each ray meets no farther away than its nearest so far, four bits a ray.
+#[inline]
+#[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+pub(super) fn no_farther(found: &Found<__m512, __mmask16>, slots: &[Slot; N], ids: &[u32]) -> u32 {
+    let current = of_each(slots, ids, Slot::t);
+    u32::from(_mm512_mask_cmp_ps_mask::<_CMP_LE_OQ>(
+        found.met, found.t, current,
+    ))
+}
+
+/// The exact test of a ray.
+#[cold]
+pub(super) fn exactly(ray: &Prepared, block: &Block) -> Found<[f32; 4], u8> {
+    let found = ray.shear.test(block);
+    Found {
+        met: found.met.to_bitmask() as u8,
+        t: found.t.to_array(),
+        u: found.u.to_array(),
+        v: found.v.to_array(),
+    }
 }

@@ -29,14 +29,16 @@
 
 pub mod few;
 mod leaf;
+pub(crate) mod levels;
 mod node;
 pub(crate) mod packet;
 pub(crate) mod prepare;
 mod queue;
 mod simd;
+mod sixteen;
 mod slot;
 
-use crate::bvh::{Block, Bvh, LEAF, index};
+use crate::bvh::{Bvh, index};
 use crate::query::Prepared;
 use crate::rays::{Hits, NO_PRIMITIVE, Rays, Segments};
 use crate::traverse;
@@ -103,12 +105,7 @@ fn fly_closest(slots: &mut [Slot; N], bvh: Bvh, rays: &Rays, hits: &mut Hits) {
         queues.for_each_done(|id, nodes| {
             let slot = &mut slots[id as usize % N];
             if started {
-                let i = slot.id as usize;
-                // What f32 cannot hold becomes the nearest it can.
-                let t = slot.t() * slot.ray.span;
-                hits.primitive[i] = slot.best as u32;
-                hits.t[i] = t.clamp(f32::from_bits(1), f32::MAX);
-                [hits.u[i], hits.v[i]] = slot.uv;
+                slot.hand_in(hits);
             }
             let odd = |i: usize| traverse::closest(bvh, rays.part(i..i + 1), hits.part(i..i + 1));
             if let Some((i, ray)) = stage.next_ray(rays, odd) {
@@ -120,23 +117,7 @@ fn fly_closest(slots: &mut [Slot; N], bvh: Bvh, rays: &Rays, hits: &mut Hits) {
         started = true;
         if queues.nodes.len() > queues.leaves.len() {
             let ids = queues.nodes.ids();
-            let mut missed = 0;
-            let mut put = |i: usize, id: usize, met: Met, slots: &mut [Slot; N]| {
-                next[i % N] = slots[id].push_in_order(met);
-                missed |= u64::from(met.hits == 0) << i;
-            };
-            let (mut id, mut met) = closest_of(bvh, slots, ids[0]);
-            for (i, &later) in ids[1..].iter().enumerate() {
-                let after = closest_of(bvh, slots, later);
-                put(i, id, met, slots);
-                (id, met) = after;
-            }
-            put(ids.len() - 1, id, met, slots);
-            while missed != 0 {
-                let i = missed.trailing_zeros() as usize % N;
-                next[i] = slots[ids[i] as usize % N].pop_in_order();
-                missed &= missed - 1;
-            }
+            nodes_in_order(bvh, slots, ids, &mut next);
             queues.sort(bvh, What::Nodes, &next);
         } else if queues.leaves.len() > 0 {
             let ids = queues.leaves.ids();
@@ -188,13 +169,7 @@ fn fly_occluded(slots: &mut [Slot; N], bvh: Bvh, segments: &Segments, occluded: 
         started = true;
         if queues.nodes.len() > queues.leaves.len() {
             let ids = queues.nodes.ids();
-            let (mut id, mut met) = within(bvh, slots, ids[0]);
-            for (i, &later) in ids[1..].iter().enumerate() {
-                let after = within(bvh, slots, later);
-                next[i % N] = slots[id].push(met);
-                (id, met) = after;
-            }
-            next[(ids.len() - 1) % N] = slots[id].push(met);
+            nodes(bvh, slots, ids, &mut next);
             queues.sort(bvh, What::Nodes, &next);
         } else if queues.leaves.len() > 0 {
             let ids = queues.leaves.ids();
@@ -220,6 +195,42 @@ fn fly_occluded(slots: &mut [Slot; N], bvh: Bvh, segments: &Segments, occluded: 
             break;
         }
     }
+}
+
+/// Tests the next node of each ray and says what comes then.
+#[inline]
+#[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+fn nodes_in_order(bvh: Bvh, slots: &mut [Slot; N], ids: &[u32], next: &mut [u32; N]) {
+    let mut missed = 0;
+    let mut put = |i: usize, id: usize, met: Met, slots: &mut [Slot; N]| {
+        next[i % N] = slots[id].push_in_order(met);
+        missed |= u64::from(met.hits == 0) << i;
+    };
+    let (mut id, mut met) = closest_of(bvh, slots, ids[0]);
+    for (i, &later) in ids[1..].iter().enumerate() {
+        let after = closest_of(bvh, slots, later);
+        put(i, id, met, slots);
+        (id, met) = after;
+    }
+    put(ids.len() - 1, id, met, slots);
+    while missed != 0 {
+        let i = missed.trailing_zeros() as usize % N;
+        next[i] = slots[ids[i] as usize % N].pop_in_order();
+        missed &= missed - 1;
+    }
+}
+
+/// The same for segments.
+#[inline]
+#[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+fn nodes(bvh: Bvh, slots: &mut [Slot; N], ids: &[u32], next: &mut [u32; N]) {
+    let (mut id, mut met) = within(bvh, slots, ids[0]);
+    for (i, &later) in ids[1..].iter().enumerate() {
+        let after = within(bvh, slots, later);
+        next[i % N] = slots[id].push(met);
+        (id, met) = after;
+    }
+    next[(ids.len() - 1) % N] = slots[id].push(met);
 }
 
 /// A ray, and what it meets of its next node before its nearest hit.
@@ -264,15 +275,7 @@ fn choose(slots: &mut [Slot; N], ids: &[u32], next: &mut [u32; N]) {
 /// A ray's leaf and the ray as the exact test takes them.
 #[cold]
 fn exactly(bvh: Bvh, slot: &Slot, load: impl Fn(usize) -> Option<Prepared>) -> Found<[f32; 4], u8> {
-    debug_assert!(slot.next & LEAF != 0);
-    let block: &Block = &bvh.blocks[index(slot.next)];
     // A ray under way could be loaded.
     let ray = load(slot.id as usize).unwrap_or_default();
-    let found = ray.shear.test(block);
-    Found {
-        met: found.met.to_bitmask() as u8,
-        t: found.t.to_array(),
-        u: found.u.to_array(),
-        v: found.v.to_array(),
-    }
+    leaf::exactly(&ray, &bvh.blocks[index(slot.next)])
 }

@@ -5,8 +5,8 @@
 //! `few.rs`; rays for which some triangle was in doubt are asked about again one at a time.
 
 use super::few::{Doubt, meet};
-use super::prepare::{Sixteen, slack};
 use super::simd::{load16_u32, store_lanes};
+use super::sixteen::{Sixteen, slack};
 use crate::bvh::{Block, Bvh, LEAF, NOTHING, Node, WIDTH, index};
 use crate::lanes::iota;
 use crate::order::Stack;

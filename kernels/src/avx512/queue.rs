@@ -1,9 +1,10 @@
-//! Which rays want a node, a leaf or a new ray, and prefetches of what they will read: sixteen
+//! Which rays want a node, a leaf, a door (`levels.rs`) or a new ray, and prefetches of what they will read: sixteen
 //! rays at a time, without branches.
 
 use super::N;
 use super::simd::{lanes_below, load16_u32, store8_u64, store16_u32};
 use crate::bvh::{Block, Bvh, NOTHING, Node};
+use crate::levels::DOOR;
 use std::arch::x86_64::*;
 
 /// Places of slots, and room for a whole vector to be written behind the last.
@@ -57,12 +58,15 @@ impl List {
 pub(super) enum What {
     Nodes,
     Leaves,
+    Doors,
 }
 
 /// Rays by what they want. A ray is in one list.
 pub(super) struct Queues {
     pub(super) nodes: List,
     pub(super) leaves: List,
+    /// Only in worlds of two levels.
+    pub(super) doors: List,
     pub(super) done: List,
 }
 
@@ -71,6 +75,7 @@ impl Queues {
         Self {
             nodes: List::new(),
             leaves: List::new(),
+            doors: List::new(),
             done: List::new(),
         }
     }
@@ -88,29 +93,55 @@ impl Queues {
     #[inline]
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
     pub(super) fn sort(&mut self, bvh: Bvh, what: What, next: &[u32; N]) {
+        self.sort_with::<false>(bvh, what, next, |_| {});
+    }
+
+    /// The same where there may be doors, for which `fetch` asks.
+    #[inline]
+    #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
+    pub(super) fn sort_with<const DOORS: bool>(
+        &mut self,
+        bvh: Bvh,
+        what: What,
+        next: &[u32; N],
+        fetch: impl Fn(u32),
+    ) {
         let list = match what {
             What::Nodes => &mut self.nodes,
             What::Leaves => &mut self.leaves,
+            What::Doors => &mut self.doors,
         };
         let len = std::mem::take(&mut list.len).min(N);
         for (first, next) in (0..len).step_by(16).zip(next.as_chunks().0) {
             let list = match what {
                 What::Nodes => &self.nodes,
                 What::Leaves => &self.leaves,
+                What::Doors => &self.doors,
             };
             let Some(ids) = list.ids[first..].first_chunk() else {
                 break;
             };
+            let references = next;
             let (ids, next) = (load16_u32(ids), load16_u32(next));
             let left = len - first;
             let used = lanes_below(left);
             let high = _mm512_movepi32_mask(next);
             let end = _mm512_cmpeq_epi32_mask(next, _mm512_set1_epi32(NOTHING as i32));
+            let mut doors = 0;
+            if DOORS {
+                doors = _mm512_test_epi32_mask(next, _mm512_set1_epi32(DOOR as i32));
+                doors &= used & high & !end;
+                self.doors.append(doors, ids);
+            }
             self.nodes.append(used & !high, ids);
-            self.leaves.append(used & high & !end, ids);
+            self.leaves.append(used & high & !end & !doors, ids);
             self.done.append(used & end, ids);
             // Lanes that are not used ask for the root: fewer instructions than leaving them out.
-            let none = end | !used;
+            let none = end | !used | doors;
+            while DOORS && doors != 0 {
+                fetch(references[doors.trailing_zeros() as usize % 16]);
+                doors &= doors - 1;
+            }
             let half = _mm512_castsi512_si256(next);
             fetch_all(&locate(bvh, half, high as u8, none as u8));
             if left > 8 {

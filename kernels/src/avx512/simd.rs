@@ -128,6 +128,13 @@ pub(super) fn four_each(x: [f32; 4]) -> __m512 {
     _mm512_mask_broadcastss_ps(all, 0xf000, _mm_set_ss(x[3]))
 }
 
+/// The same for integers.
+#[inline]
+#[target_feature(enable = "avx512f")]
+pub(super) fn four_each_u32(x: [u32; 4]) -> __m512i {
+    _mm512_castps_si512(four_each(bytemuck::cast(x)))
+}
+
 /// Sixteen vectors of sixteen as a matrix, rows and columns exchanged.
 #[inline]
 #[target_feature(enable = "avx512f")]

@@ -3,6 +3,7 @@
 use super::node::{self, Met};
 use super::simd::{load8, store8};
 use crate::bvh::{MAX_DEPTH, NOTHING, WIDTH};
+use crate::rays::Hits;
 use crate::slabs::PAD;
 use bytemuck::{Pod, Zeroable};
 use std::arch::x86_64::*;
@@ -37,12 +38,14 @@ const BELOW: usize = WIDTH;
 /// Entries of a stack: as in `order.rs`, and as many as make every `u8` a place where eight entries
 /// lie, so that nobody has to ask.
 const STACK: usize = (1 << u8::BITS) + WIDTH;
+/// Most nodes on a ray's way for which a stack with one mark on it has room.
+pub(super) const DEEPEST: usize = (u8::MAX as usize - BELOW - 1) / (WIDTH - 1);
 const _: () = assert!(BELOW + (WIDTH - 1) * MAX_DEPTH + 2 * WIDTH <= STACK);
 
 /// A ray under way.
 #[derive(Clone)]
 #[repr(C, align(64))]
-pub(super) struct Slot {
+pub(crate) struct Slot {
     pub(super) ray: Ray,
     /// By axis, what `node.rs` adds for planes met last.
     pub(super) leave: [f32; 3],
@@ -100,6 +103,26 @@ impl Slot {
         self.id = i as u32;
         self.next = 0;
         self.len = BELOW as u8;
+    }
+
+    /// Writes a closest hit's answer.
+    #[inline]
+    pub(super) fn hand_in(&self, hits: &mut Hits) {
+        let i = self.id as usize;
+        // What f32 cannot hold becomes the nearest it can.
+        let t = self.t() * self.ray.span;
+        hits.primitive[i] = self.best as u32;
+        hits.t[i] = t.clamp(f32::from_bits(1), f32::MAX);
+        [hits.u[i], hits.v[i]] = self.uv;
+    }
+
+    /// Puts on the stack what comes before all that lies below.
+    #[inline]
+    pub(super) fn push_mark(&mut self, mark: u32) {
+        let end = usize::from(self.len);
+        self.child[end] = mark;
+        self.enter[end] = f32::NEG_INFINITY;
+        self.len = self.len.wrapping_add(1);
     }
 
     /// Distance of the nearest so far.

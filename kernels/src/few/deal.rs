@@ -219,7 +219,7 @@ pub(super) fn deal<V: Visitor>(len: usize, origin: Columns, direction: Columns, 
 
 /// The vector from element `i` on; 0 for elements that are not there.
 #[inline(always)]
-pub(super) fn load_part<T: Copy + Default>(column: &[T], i: usize) -> [T; LANES] {
+pub(crate) fn load_part<T: Copy + Default>(column: &[T], i: usize) -> [T; LANES] {
     match column.get(i..i + LANES) {
         Some(whole) => whole.try_into().expect("one vector"),
         None => std::array::from_fn(|lane| column.get(i + lane).copied().unwrap_or_default()),

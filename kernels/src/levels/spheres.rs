@@ -1,13 +1,19 @@
 //! Spheres on the upper level.
 
-use super::{Ask, Filter, Slot};
+use super::Filter;
+use super::ask::Ask;
 use crate::sphere::{self, SphereBlock};
 
-/// Tests a block of spheres: of each the first hit that counts.
+/// Tests a ray (its place in the view, its origin, and its direction in the kernel's units) against a
+/// block of spheres: of each the first hit that counts.
 #[inline(always)]
-pub(super) fn roll<Q: Ask, F: Filter>(slot: &mut Slot<Q::State>, block: &SphereBlock, filter: &F) {
-    let leaves = Q::leaves(&slot.state);
-    let (o, d) = (slot.origin, slot.direction);
+pub(crate) fn roll<Q: Ask, F: Filter>(
+    (id, o, d): (usize, [f32; 3], [f32; 3]),
+    state: &mut Q::State,
+    block: &SphereBlock,
+    filter: &F,
+) {
+    let leaves = Q::leaves(state);
     let met = sphere::meet(block, o, d, leaves);
     for lane in 0..sphere::BLOCK {
         let primitive = block.primitive.as_array()[lane];
@@ -16,18 +22,17 @@ pub(super) fn roll<Q: Ask, F: Filter>(slot: &mut Slot<Q::State>, block: &SphereB
         for t in [met.t[lane], met.behind[lane]].into_iter().take(hits) {
             let near = t as f32;
             let hit = near > 0.0 && near < f32::INFINITY;
-            if !hit || !Q::wants(&slot.state, primitive, near) || Q::spares(&slot.state, primitive)
-            {
+            if !hit || !Q::wants(state, primitive, near) || Q::spares(state, primitive) {
                 break;
             }
             let at = || sphere::normal_at(block, lane, o, d, t);
             if F::ASKS {
                 let [u, v] = at();
-                if !filter.accepts(slot.id, primitive, u, v) {
+                if !filter.accepts(id, primitive, u, v) {
                     continue;
                 }
             }
-            Q::take(&mut slot.state, primitive, near, at);
+            Q::take(state, primitive, near, at);
             break;
         }
     }

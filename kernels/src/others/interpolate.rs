@@ -7,9 +7,10 @@
 //! image, which faces their own +z, `u = 1/2 + atan2(n.x, n.z) / (2 pi)` rises to the east, seen from outside
 //! to the right, and `v = 1/2 + asin(n.y) / pi` from the south pole to the north.
 
-use super::{HOME, Maps, Others, Part, corners_of, transform};
+use super::maps::{Maps, transform};
+use super::{HOME, Others, Part, corners_of};
 use crate::interpolate::{Attributes, CornerNormals, Interpolated};
-use crate::lanes::{Fx, LANES, Ux};
+use crate::lanes::{Fx, LANES, Ux, as_bits, as_mask};
 use crate::math::INV_PI;
 use crate::octahedral;
 use crate::sphere;
@@ -30,13 +31,20 @@ impl Interpolated {
         (u, v): (Fx, Fx),
         times: impl FnOnce() -> Option<Fx>,
     ) -> Self {
-        // The same for the whole render.
-        match &triangles.others {
-            None => Self::at(triangles, attributes, primitive, u, v),
-            Some(others) => {
-                others.interpolate(triangles, attributes, primitive, outside(), (u, v), times())
-            }
+        let Some(others) = &triangles.others else {
+            return Self::at(triangles, attributes, primitive, u, v);
+        };
+        if others.are_of_world(primitive) {
+            return Self::at(triangles, attributes, primitive, u, v);
         }
+        let other = others.interpolate(primitive, outside(), (u, v), times());
+        let home = as_mask(primitive.simd_lt(Ux::splat(others.first)));
+        if home.none() {
+            return other;
+        }
+        // Lanes that hold none borrow a triangle.
+        let own = as_bits(home).select(primitive, Ux::ZERO);
+        Self::select(home, &Self::at(triangles, attributes, own, u, v), &other)
     }
 }
 
@@ -44,8 +52,6 @@ impl Others<'_> {
     #[inline(never)]
     fn interpolate(
         &self,
-        triangles: &Triangles,
-        attributes: &Attributes,
         primitive: Ux,
         outside: Vec3x,
         weights: (Fx, Fx),
@@ -53,7 +59,7 @@ impl Others<'_> {
     ) -> Interpolated {
         let names = primitive.to_array();
         let mut maps = [&HOME; LANES];
-        // Spheres borrow a triangle.
+        // What is no copy borrows a triangle.
         let mut corners = [[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]; LANES];
         let mut codes = [[octahedral::NONE; LANES]; 3];
         let mut uvs = [[[f32::NAN; LANES]; 2]; 3];
@@ -61,7 +67,7 @@ impl Others<'_> {
         let mut turns = [[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]; LANES];
         for lane in 0..LANES {
             let (vertices, vertex, from) = match self.part(names[lane]) {
-                Part::Triangle(i) => (triangles.vertices, triangles.indices[i], attributes),
+                Part::Triangle(_) => continue,
                 Part::Copy(instance, i) => {
                     let object = &self.objects[instance.object as usize];
                     maps[lane] = instance;
