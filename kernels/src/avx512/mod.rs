@@ -44,7 +44,7 @@ use crate::rays::{Hits, NO_PRIMITIVE, Rays, Segments};
 use crate::traverse;
 use leaf::{Found, Groups};
 use node::Met;
-use prepare::Stage;
+use prepare::{Stage, View};
 use queue::{Queues, What};
 use slot::{Slot, key};
 use std::cell::RefCell;
@@ -96,6 +96,7 @@ pub fn occluded(bvh: Bvh, segments: Segments, occluded: &mut [u32]) {
 
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
 fn fly_closest(slots: &mut [Slot; N], bvh: Bvh, rays: &Rays, hits: &mut Hits) {
+    let view = View::of_rays(rays);
     let answers = [hits.t.as_ptr(), hits.u.as_ptr(), hits.v.as_ptr()];
     let (mut stage, mut queues) = (Stage::new(bvh, answers), Queues::new());
     let (mut next, mut groups) = ([0; N], Groups::NEW);
@@ -108,7 +109,7 @@ fn fly_closest(slots: &mut [Slot; N], bvh: Bvh, rays: &Rays, hits: &mut Hits) {
                 slot.hand_in(hits);
             }
             let odd = |i: usize| traverse::closest(bvh, rays.part(i..i + 1), hits.part(i..i + 1));
-            if let Some((i, ray)) = stage.next_ray(rays, odd) {
+            if let Some((i, ray)) = stage.next(&view, odd) {
                 slot.start(i, ray);
                 slot.best = key(f32::MAX, NO_PRIMITIVE);
                 nodes.push(id);
@@ -146,6 +147,7 @@ fn fly_closest(slots: &mut [Slot; N], bvh: Bvh, rays: &Rays, hits: &mut Hits) {
 
 #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
 fn fly_occluded(slots: &mut [Slot; N], bvh: Bvh, segments: &Segments, occluded: &mut [u32]) {
+    let view = View::of_segments(segments);
     let (mut stage, mut queues) = (Stage::new(bvh, [null(); 3]), Queues::new());
     let (mut next, mut groups) = ([0; N], Groups::NEW);
     queues.done.fill_with_all();
@@ -159,7 +161,7 @@ fn fly_occluded(slots: &mut [Slot; N], bvh: Bvh, segments: &Segments, occluded: 
             let odd = |i: usize| {
                 traverse::occluded(bvh, segments.part(i..i + 1), &mut occluded[i..=i]);
             };
-            if let Some((i, ray)) = stage.next_segment(segments, odd) {
+            if let Some((i, ray)) = stage.next(&view, odd) {
                 slot.start(i, ray);
                 slot.reaches = segments.reaches[i];
                 slot.best = 0;

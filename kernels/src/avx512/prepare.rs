@@ -56,28 +56,6 @@ impl Stage {
     /// those that it must answer itself.
     #[inline]
     #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-    pub(super) fn next_ray(
-        &mut self,
-        view: &Rays,
-        odd: impl FnMut(usize),
-    ) -> Option<(usize, (Ray, [f32; 3]))> {
-        self.next(&View::of_rays(view), odd)
-    }
-
-    /// The same for segments.
-    #[inline]
-    #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
-    pub(super) fn next_segment(
-        &mut self,
-        view: &Segments,
-        odd: impl FnMut(usize),
-    ) -> Option<(usize, (Ray, [f32; 3]))> {
-        self.next(&View::of_segments(view), odd)
-    }
-
-    /// The same for either.
-    #[inline]
-    #[target_feature(enable = "avx512vl,avx512dq,avx512bw")]
     pub(super) fn next(
         &mut self,
         view: &View,
