@@ -52,17 +52,20 @@ pub struct Geometry {
 
 /// A tree and its box; none over nothing.
 fn tree(mesh: &Mesh, preset: Preset) -> Option<(Layout, Aabb)> {
-    // The build reads them at random, and so does whoever shades what is hit. Materials are often all
-    // the first, zeros never written.
+    let tree = Binary::build(mesh, preset)?;
+    let collapse = Collapse::new(&tree);
+    let root = *collapse.aabb(0);
+    Some((Layout::new(mesh, &collapse), root))
+}
+
+/// Puts a mesh on large pages: the build reads it at random, and so does whoever shades what is hit.
+fn onto_large_pages(mesh: &Mesh) {
+    // Often all the first, zeros never written.
     pages::large_where_untouched(&mesh.material);
     pages::onto_large(&mesh.vertices);
     pages::onto_large(&mesh.indices);
     pages::onto_large(&mesh.normals);
     pages::onto_large(&mesh.uvs);
-    let tree = Binary::build(mesh, preset)?;
-    let collapse = Collapse::new(&tree);
-    let root = *collapse.aabb(0);
-    Some((Layout::new(mesh, &collapse), root))
 }
 
 impl Geometry {
@@ -74,13 +77,17 @@ impl Geometry {
     #[must_use]
     pub fn of(scene: &Scene, preset: Preset) -> Self {
         let is_cut = |&m: &u32| scene.materials[m as usize].alpha.is_some();
-        let any_cut = scene.mesh.material.iter().any(is_cut);
+        // Materials first: mostly none is, and then a table as long as the mesh stays untouched.
+        let any_cut = scene.materials.iter().any(|m| m.alpha.is_some())
+            && scene.mesh.material.iter().any(is_cut);
         if scene.spheres.is_empty() && scene.instances.is_empty() && !any_cut {
             return Self {
                 whole: true,
                 ..Self::build_with(&scene.mesh, preset)
             };
         }
+        let objects = scene.objects.iter().map(|object| &object.mesh);
+        objects.chain([&scene.mesh]).for_each(onto_large_pages);
         let (few, own, cut) = if any_cut {
             let part = |wanted: bool| Part::new(&scene.mesh, |m| is_cut(m) == wanted);
             let (whole, cut) = (part(false), part(true));
@@ -126,6 +133,7 @@ impl Geometry {
     /// On a vertex index outside the mesh, and on more than about 2^31 triangles.
     #[must_use]
     pub fn build_with(mesh: &Mesh, preset: Preset) -> Self {
+        onto_large_pages(mesh);
         let Some((layout, root)) = tree(mesh, preset) else {
             return Self::default();
         };

@@ -20,13 +20,19 @@ const IN_FLIGHT: usize = 32;
 /// Rays that walk together at most, but for a vector.
 const MOST: usize = 2048;
 const ROOM: usize = MOST + 2 * LANES;
-/// Columns of what is brought together: place, moment, origin, direction, and five words.
-const COLUMNS: usize = 13;
+/// A word of each ray that is brought together.
+type Column = [u32; ROOM];
 
 thread_local! {
     /// 107 KB that need not be written at every call.
     static NEAR: RefCell<Near> = const {
-        RefCell::new(Near { columns: [[0; ROOM]; COLUMNS], len: 0 })
+        RefCell::new(Near {
+            place: [0; ROOM],
+            time: [0; ROOM],
+            ray: [[0; ROOM]; 6],
+            words: [[0; ROOM]; 5],
+            len: 0,
+        })
     };
 }
 
@@ -150,7 +156,14 @@ fn words_of(column: &[f32], i: usize) -> Ux {
 
 /// Rays that may meet something, brought together.
 struct Near {
-    columns: [[u32; ROOM]; COLUMNS],
+    /// Where they lie in the view.
+    place: Column,
+    /// Their moments, where instances move.
+    time: Column,
+    /// Origins, then directions.
+    ray: [Column; 6],
+    /// What a query has besides.
+    words: [Column; 5],
     len: usize,
 }
 
@@ -179,13 +192,15 @@ impl Near {
             return;
         }
         let time = times.map_or(Ux::ZERO, |times| words_of(times, i));
-        let ([ox, oy, oz], [dx, dy, dz]) = (origin, direction);
-        let ray = [ox, oy, oz, dx, dy, dz].map(bytemuck::cast);
         let kept = Kept::new(met);
-        let all = [iota(i as u32), time];
-        let all = all.into_iter().chain(ray).chain(words);
-        for (column, word) in self.columns.iter_mut().zip(all) {
-            kept.store_u32(column, self.len, word);
+        let keep = |column: &mut Column, word| kept.store_u32(column, self.len, word);
+        keep(&mut self.place, iota(i as u32));
+        keep(&mut self.time, time);
+        for (column, number) in self.ray.iter_mut().zip(origin.into_iter().chain(direction)) {
+            keep(column, bytemuck::cast(number));
+        }
+        for (column, word) in self.words.iter_mut().zip(words) {
+            keep(column, word);
         }
         self.len += kept.count;
     }
@@ -202,25 +217,18 @@ impl Near {
         if len == 0 {
             return;
         }
-        let [
+        let Self {
             place,
             time,
-            ox,
-            oy,
-            oz,
-            dx,
-            dy,
-            dz,
-            leaves,
-            primitive,
-            t,
-            u,
-            v,
-        ] = &mut self.columns;
+            ray,
+            words: [leaves, primitive, t, u, v],
+            ..
+        } = self;
+        let [origin, direction] = vectors(ray);
         let rays = Rays {
             len,
-            origin: [ox, oy, oz].map(|c| numbers(c)),
-            direction: [dx, dy, dz].map(|c| numbers(c)),
+            origin,
+            direction,
             leaves,
         };
         let found = Hits {
@@ -253,25 +261,18 @@ impl Near {
         if len == 0 {
             return;
         }
-        let [
+        let Self {
             place,
             time,
-            ox,
-            oy,
-            oz,
-            dx,
-            dy,
-            dz,
-            leaves,
-            reaches,
-            t_max,
-            out,
-            _,
-        ] = &mut self.columns;
+            ray,
+            words: [leaves, reaches, t_max, out, _],
+            ..
+        } = self;
+        let [origin, direction] = vectors(ray);
         let segments = Segments {
             len,
-            origin: [ox, oy, oz].map(|c| numbers(c)),
-            direction: [dx, dy, dz].map(|c| numbers(c)),
+            origin,
+            direction,
             t_max: numbers(t_max),
             leaves,
             reaches,
@@ -289,8 +290,13 @@ impl Near {
     }
 }
 
-fn numbers(column: &[u32; ROOM]) -> &[f32] {
+fn numbers(column: &Column) -> &[f32] {
     bytemuck::cast_slice(column)
+}
+
+/// Origins and directions of [`Near::ray`].
+fn vectors([ox, oy, oz, dx, dy, dz]: &[Column; 6]) -> [Columns<'_>; 2] {
+    [[ox, oy, oz], [dx, dy, dz]].map(|vector| vector.map(numbers))
 }
 
 /// A filter of the view from which rays were brought together.

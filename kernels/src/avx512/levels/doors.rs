@@ -157,7 +157,7 @@ impl Group {
         for (to, side) in leave.iter_mut().zip(sides) {
             store16(to, side);
         }
-        let ready = sixteen.able & sixteen.ordinary;
+        let ready = sixteen.usual();
         for lane in 0..len.min(16) {
             let id = self.id[lane] as usize % N;
             let slot = &mut slots[id];
