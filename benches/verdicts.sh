@@ -4,11 +4,15 @@
 #   - with one kernel that does a tenth of its work twice (the feature `slowed`, for each of SLOWED) it is
 #     slower, the kernel is named, nothing else is, and the exit code is 3.
 # Prints each verdict; exit 1 if one is wrong.
-#   benches/verdicts.sh [options of huygens bench, as --filter box, --quick, --runs 5]
+#   benches/verdicts.sh [options of huygens bench; without any, --quick --threads 1 --runs 18: 20 minutes]
 #   TURNS=10 SLOWED='intersect occlude' benches/verdicts.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
 turns=${TURNS:-10}
+if (($# == 0)); then
+  # A tenth is told from nothing by some 15 runs, on a machine that nobody else uses much.
+  set -- --quick --threads 1 --runs 18
+fi
 slowed=${SLOWED:-intersect occlude}
 built=${CARGO_TARGET_DIR:-target}/release/huygens
 folder=$(mktemp -d)
@@ -52,6 +56,7 @@ same "itself, taking turns" 0 "$folder/plain" bench "$@" --against "$folder/plai
 named() {
   grep -qE "^[a-z ]+: $1 .* slower\$" "$folder/out" || {
     echo "WRONG: $1 is not named"
+    sed -n '/^time against/,$p' "$folder/out"
     wrong=1
   }
   if grep -E '^[a-z ]+: .* slower$' "$folder/out" | grep -vE "^[a-z ]+: $1 "; then

@@ -21,6 +21,7 @@ pub mod effects;
 pub mod estimate;
 pub mod film;
 pub mod geometry;
+mod pages;
 pub mod processor;
 pub mod profile;
 pub mod reference;

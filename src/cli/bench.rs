@@ -2,21 +2,20 @@
 
 mod accounting;
 mod report;
+mod rounds;
 mod stage;
 mod text;
 
 use crate::cli::failure::Failure;
 use crate::cli::json;
-use crate::cli::system::peak_memory;
 use crate::cli::text::out;
 use huygens::film::output::ensure_writable;
 use huygens::throughput::compare::{
-    Comparison, SESSIONS_FLOOR, TURNS_FLOOR, Verdict, compare, memory_change,
+    Comparison, Rounds, SESSIONS_FLOOR, TURNS_FLOOR, Verdict, compare, memory_change,
 };
-use huygens::throughput::measure::Prepared;
 use huygens::throughput::suite::{SUITE, Standard};
-use miette::{IntoDiagnostic, WrapErr, miette};
-use report::{Report, SceneReport};
+use miette::{IntoDiagnostic, WrapErr};
+use report::Report;
 use std::path::{Path, PathBuf};
 
 /// Measure throughput on the standard scenes
@@ -37,7 +36,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "TEXT")]
     filter: Option<String>,
 
-    /// Runs of each scene, 1 to 1000, in turn, after one that does not count
+    /// Rounds, 1 to 1000: one run of each scene, after one that does not count, in a process of its own
     #[arg(
         long,
         value_name = "N",
@@ -127,11 +126,15 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         return accounting::run(args, &suite);
     }
     if let Some(program) = &args.against {
-        let [old, new] = take_turns(args, program)?;
+        let [old, new] = rounds::in_turns(args, program)?;
         finish(args, &new)?;
         return verdict(args, &old, &new);
     }
-    let reports = measure(args, &suite)?;
+    let reports = if sweep || args.runs == 1 {
+        rounds::in_one_process(args, &suite)?
+    } else {
+        vec![rounds::in_processes(args)?]
+    };
     for report in &reports {
         out(&report.text());
     }
@@ -143,103 +146,6 @@ pub(crate) fn run(args: &Args) -> Result<(), Failure> {
         Some(old) => verdict(args, &old, &reports[0]),
         None => Ok(()),
     }
-}
-
-/// Runs the suite for each number of threads and of paths: rounds outside, so that whatever disturbs
-/// the machine for a while disturbs all alike.
-fn measure(args: &Args, suite: &[Standard]) -> Result<Vec<Report>, Failure> {
-    let mut reports: Vec<Report> = args
-        .threads
-        .iter()
-        .flat_map(|&t| args.wave.iter().map(move |&w| Report::new(t, w, args.runs)))
-        .collect();
-    let run = |scene: &Prepared, report: &Report| {
-        scene.run(usize::from(report.threads), report.wave as usize)
-    };
-    let (mut scenes, mut peak) = (Vec::new(), None);
-    for standard in suite {
-        let scene = Prepared::new(standard).into_diagnostic();
-        let scene = scene.map_err(Failure::Other)?;
-        for report in &mut reports {
-            // Warms caches, pages and the clock up, and shows how much memory it takes.
-            run(&scene, report);
-            report.scenes.push(SceneReport::new(standard, &scene));
-        }
-        peak = peak.max(peak_memory());
-        scenes.push(scene);
-    }
-    for _ in 0..args.runs {
-        for (i, scene) in scenes.iter().enumerate() {
-            for report in &mut reports {
-                let run = run(scene, report);
-                report.scenes[i].runs.push(run);
-            }
-        }
-    }
-    for report in &mut reports {
-        report.peak_memory = peak;
-        report.finish();
-    }
-    Ok(reports)
-}
-
-/// Lets `program` and this one run the suite once each, again and again, and returns both reports.
-fn take_turns(args: &Args, program: &Path) -> Result<[Report; 2], Failure> {
-    let own = std::env::current_exe()
-        .into_diagnostic()
-        .map_err(Failure::Other)?;
-    let folder = tempfile::tempdir()
-        .into_diagnostic()
-        .map_err(Failure::Other)?;
-    let mut reports: [Option<Report>; 2] = [None, None];
-    for round in 0..args.runs {
-        for turn in 0..2 {
-            // Whoever goes first in one round goes second in the next.
-            let which = (round as usize + turn) % 2;
-            let program = [program, &own][which];
-            let file = folder.path().join("run.json");
-            once(args, program, &file)?;
-            let report = read(&file)?;
-            match &mut reports[which] {
-                Some(sum) => sum.append(report)?,
-                none => *none = Some(report),
-            }
-        }
-    }
-    Ok(reports.map(|r| {
-        let mut r = r.expect("at least one round");
-        r.finish();
-        r
-    }))
-}
-
-/// One round of the suite by a program of this kind, saved to `file`.
-fn once(args: &Args, program: &Path, file: &Path) -> Result<(), Failure> {
-    let mut command = std::process::Command::new(program);
-    command.args(["bench", "--runs", "1"]);
-    command.args(["--threads", &args.threads[0].to_string()]);
-    command.args(["--wave", &args.wave[0].to_string()]);
-    command.arg("--save").arg(file);
-    if args.quick {
-        command.arg("--quick");
-    }
-    if let Some(filter) = &args.filter {
-        command.args(["--filter", filter]);
-    }
-    let name = program.display();
-    let output = command.output().into_diagnostic();
-    let output = output
-        .wrap_err_with(|| format!("cannot run {name}"))
-        .map_err(Failure::Input)?;
-    if output.status.success() {
-        return Ok(());
-    }
-    let error = String::from_utf8_lossy(&output.stderr);
-    Err(Failure::Input(miette!(
-        "{name} does not run this suite ({}): {}",
-        output.status,
-        error.trim()
-    )))
 }
 
 /// Reads numbers that `--save` wrote.
@@ -282,12 +188,13 @@ fn verdict(args: &Args, old: &Report, new: &Report) -> Result<(), Failure> {
         })
         .collect();
     // Where runs took turns, memory changed for both.
-    let floor = if args.against.is_some() {
-        TURNS_FLOOR
+    let (rounds, floor) = if args.against.is_some() {
+        (Rounds::InTurns, TURNS_FLOOR)
     } else {
-        SESSIONS_FLOOR.max(memory_change(&scenes))
+        let floor = SESSIONS_FLOOR.max(memory_change(&scenes));
+        (Rounds::InSessions, floor)
     };
-    let found = compare(&scenes, floor);
+    let found = compare(&scenes, rounds, floor);
     out(&text::comparison(&found, floor));
     let beyond = 1.0 + args.threshold / 100.0;
     let slow = |c: &&Comparison| c.verdict == Verdict::Slower && c.ratio > beyond;

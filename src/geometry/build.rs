@@ -1,8 +1,8 @@
 //! From triangles to a binary tree: splitting (`sbvh/`) or clustering (`ploc.rs`), then reinsertion
 //! (`reinsert.rs`).
 
-use super::pages::Table;
 use super::{collapse::Collapse, ploc, reinsert, sbvh};
+use crate::pages::Table;
 use crate::scene::Mesh;
 use crate::settings::Preset;
 use glam::Vec3A;

@@ -7,7 +7,7 @@
 mod tables;
 
 use super::collapse::{BLOCK_COST, Collapse, MAX_LEAF, NODE_COST};
-use super::pages::Table;
+use crate::pages::Table;
 use crate::scene::Mesh;
 use glam::Vec3A;
 use huygens_kernels::bvh::{BLOCK, Block, MAX_DEPTH, Node, WIDTH, leaf};

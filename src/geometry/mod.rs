@@ -10,7 +10,6 @@ mod collapse;
 mod few;
 mod layout;
 mod motion;
-mod pages;
 mod part;
 mod ploc;
 mod reinsert;
@@ -20,6 +19,7 @@ mod tests_of_presets;
 mod top;
 mod world;
 
+use crate::pages;
 use crate::scene::{Mesh, Motion, Scene};
 pub use crate::settings::Preset;
 use build::Binary;

@@ -1,17 +1,21 @@
 //! What may be said about two sets of runs.
 //!
-//! Run `i` of one is set against run `i` of the other: the logarithm of the ratio of their costs (see
-//! [`super`]) is one observation. From `n` of them follows Student's interval of the mean; all
-//! quantities that are compared share one significance (Šidák), so that two sets of one program differ
-//! anywhere with at most that probability, as far as runs are independent.
+//! What is compared are logarithms of costs (see [`super`]). Where the runs of both *took turns*, run `i` of
+//! one is set against run `i` of the other: each difference is an observation, and from `n` of them follows
+//! Student's interval of their mean. Where they are two *sessions*, runs of the same number have nothing in
+//! common, and the interval is that of the difference of two means by Welch (1947), whose sets need
+//! neither the same size nor the same spread. Means are trimmed ones where there are a dozen rounds (Yuen
+//! 1974), since now and then something else takes the machine for a while. All quantities that are compared share one significance
+//! (Šidák), so that two sets of one program differ anywhere with at most that probability, as far as runs
+//! are independent.
 //!
-//! They are not, quite: two sessions of one program differ by a few per cent in where the system put
-//! its pages and who shared its caches. So a difference is only called one if the interval excludes
-//! the *floor* as well, which is smaller where the runs of both took turns, and larger where memory
-//! became slower or faster in between.
+//! They are not, quite: who shares caches and memory differs from one quarter of an hour to the next. So a
+//! difference is only called one if the interval excludes the *floor* as well, which is smaller where the
+//! runs of both took turns, and larger where memory became slower or faster in between.
 
+use super::difference::Difference;
 use super::measure::Run;
-use crate::estimate::{Running, sidak, student_quantile};
+use crate::estimate::sidak;
 use serde::{Deserialize, Serialize};
 
 /// Probability of finding any difference between two sets of one program.
@@ -33,6 +37,18 @@ pub enum Verdict {
     Slower,
     /// Nothing can be said.
     NoDifference,
+}
+
+/// A scene's name, its old runs and its new ones.
+pub type Scene<'a> = (&'a str, &'a [Run], &'a [Run]);
+
+/// How two sets of runs came about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rounds {
+    /// One of each, again and again.
+    InTurns,
+    /// All of one, and at another time all of the other.
+    InSessions,
 }
 
 /// One quantity of both sets.
@@ -67,16 +83,22 @@ fn series(scene: &str, runs: &[Run]) -> Vec<Series> {
     }];
     let stages = runs.first().map_or(&[][..], |r| &r.stages);
     for (i, stage) in stages.iter().enumerate() {
-        if stage.share >= LARGE_STAGE {
-            let cost = |r: &Run| Some(r.stages.get(i)?.nanoseconds / r.yardstick_seconds);
-            all.push(Series {
-                name: format!("{scene}: {}", stage.name),
-                stage: Some(stage.name.clone()),
-                costs: runs.iter().filter_map(cost).collect(),
-            });
-        }
+        let cost = |r: &Run| Some(r.stages.get(i)?.nanoseconds / r.yardstick_seconds);
+        all.push(Series {
+            name: format!("{scene}: {}", stage.name),
+            stage: Some(stage.name.clone()),
+            costs: runs.iter().filter_map(cost).collect(),
+        });
     }
     all
+}
+
+/// Whether the stage takes a large share of these runs, on average; the whole does.
+fn is_large(stage: Option<&str>, runs: &[Run]) -> bool {
+    let Some(name) = stage else { return true };
+    let share = |r: &Run| Some(r.stages.iter().find(|s| s.name == name)?.share);
+    let shares = runs.iter().filter_map(share);
+    shares.sum::<f64>() >= LARGE_STAGE * runs.len() as f64
 }
 
 /// The same quantity of several scenes as one, which noise of single scenes moves less: run by run, the
@@ -100,9 +122,9 @@ fn all_scenes<'a>(of: impl Iterator<Item = &'a Series>) -> Series {
 }
 
 /// Compares the runs of each scene that both have: (scene, old runs, new runs); and what several scenes
-/// have in common over all of them.
+/// have in common over all of them. Of the stages, those that take a large share of the old runs.
 #[must_use]
-pub fn compare(scenes: &[(&str, &[Run], &[Run])], floor: f64) -> Vec<Comparison> {
+pub fn compare(scenes: &[Scene], rounds: Rounds, floor: f64) -> Vec<Comparison> {
     let mut pairs: Vec<(Series, Series)> = scenes
         .iter()
         .flat_map(|&(name, old, new)| {
@@ -113,6 +135,7 @@ pub fn compare(scenes: &[(&str, &[Run], &[Run])], floor: f64) -> Vec<Comparison>
             };
             series(name, old)
                 .into_iter()
+                .filter(|o| is_large(o.stage.as_deref(), old))
                 .filter_map(with)
                 .collect::<Vec<_>>()
         })
@@ -135,53 +158,49 @@ pub fn compare(scenes: &[(&str, &[Run], &[Run])], floor: f64) -> Vec<Comparison>
     pairs.extend(common);
     let each = sidak(SIGNIFICANCE, pairs.len().max(1));
     let one = |(old, new): &(Series, Series)| {
-        compare_costs(&old.name, &old.costs, &new.costs, each, floor)
+        compare_costs(&old.name, [&old.costs, &new.costs], rounds, each, floor)
     };
     pairs.iter().map(one).collect()
 }
 
-/// By how much memory may have become slower or faster, against the yardstick, from the old runs to the new,
-/// at most with the shared significance: relative, 0 where the old runs do not tell. No smaller difference
-/// between two sessions need be the program's.
+/// By how much memory may have become slower or faster, against the yardstick, from the old session to the
+/// new, at most with the shared significance: relative, 0 where the old runs do not tell. No smaller
+/// difference between two sessions need be the program's.
 #[must_use]
-pub fn memory_change(scenes: &[(&str, &[Run], &[Run])]) -> f64 {
-    let latency = |r: &Run| r.memory_seconds / r.yardstick_seconds;
-    let runs = scenes.iter().map(|(_, old, new)| old.len().min(new.len()));
-    let mut logs = Running::new();
-    for run in 0..runs.min().unwrap_or(0) {
-        let ratios = scenes
-            .iter()
-            .map(|(_, old, new)| latency(&new[run]) / latency(&old[run]));
-        logs.push(ratios.map(f64::ln).sum::<f64>() / scenes.len() as f64);
-    }
-    let half = match logs.standard_error() {
-        Some(error) => error * student_quantile(1.0 - 0.5 * SIGNIFICANCE, logs.count() - 1),
-        None => 0.0,
+pub fn memory_change(scenes: &[Scene]) -> f64 {
+    // Over all scenes: round by round, the mean.
+    let latencies = |set: Vec<&[Run]>| {
+        let latency = |run: &Run| (run.memory_seconds / run.yardstick_seconds).ln();
+        let rounds = set.iter().map(|runs| runs.len()).min().unwrap_or(0);
+        let mean =
+            |round| set.iter().map(|runs| latency(&runs[round])).sum::<f64>() / set.len() as f64;
+        (0..rounds).map(mean).collect::<Vec<f64>>()
     };
-    let most = logs.mean().abs() + half;
+    let old = latencies(scenes.iter().map(|s| s.1).collect());
+    let new = latencies(scenes.iter().map(|s| s.2).collect());
+    let difference = Difference::of_sessions(&old, &new);
+    // One run tells no interval, and then no verdict needs a floor.
+    let half = difference.half_interval(SIGNIFICANCE);
+    let most = difference.mean.abs() + if half.is_finite() { half } else { 0.0 };
     if most.is_finite() { most.exp_m1() } else { 0.0 }
 }
 
-/// Compares the costs of one quantity, run by run, at a significance of its own.
+/// Compares the costs of one quantity, old and new, at a significance of its own.
 #[must_use]
 pub fn compare_costs(
     name: &str,
-    old: &[f64],
-    new: &[f64],
+    costs: [&[f64]; 2],
+    rounds: Rounds,
     significance: f64,
     floor: f64,
 ) -> Comparison {
-    let mut logs = Running::new();
-    for (old, new) in old.iter().zip(new) {
-        logs.push((new / old).ln());
-    }
-    let half = match logs.standard_error() {
-        Some(error) => {
-            error * student_quantile(1.0 - 0.5 * significance, logs.count().saturating_sub(1))
-        }
-        None => f64::INFINITY,
+    let [old, new] = costs.map(|set| set.iter().map(|c| c.ln()).collect::<Vec<f64>>());
+    let of = match rounds {
+        Rounds::InTurns => Difference::of_turns(&old, &new),
+        Rounds::InSessions => Difference::of_sessions(&old, &new),
     };
-    let interval = [logs.mean() - half, logs.mean() + half];
+    let half = of.half_interval(significance);
+    let interval = [of.mean - half, of.mean + half];
     let verdict = if interval[0] > floor.ln_1p() {
         Verdict::Slower
     } else if interval[1] < -floor.ln_1p() {
@@ -191,7 +210,7 @@ pub fn compare_costs(
     };
     Comparison {
         name: name.to_owned(),
-        ratio: logs.mean().exp(),
+        ratio: of.mean.exp(),
         interval: interval.map(f64::exp),
         verdict,
     }
@@ -205,13 +224,13 @@ mod tests {
 
     /// Runs whose costs vary by `noise` about 1 (and of the stage by `stage`), on a machine that drifts.
     fn runs(seed: u64, noise: f64, stage: f64) -> Vec<Run> {
-        runs_with_memory(seed, noise, stage, 1.0)
+        so_many(9, seed, noise, stage, 1.0)
     }
 
-    /// The same where memory is so many times slower.
-    fn runs_with_memory(seed: u64, noise: f64, stage: f64, memory: f64) -> Vec<Run> {
+    /// So many, where memory is so many times slower.
+    fn so_many(count: u32, seed: u64, noise: f64, stage: f64, memory: f64) -> Vec<Run> {
         let mut rng = generator(&[seed]);
-        (0..9)
+        (0..count)
             .map(|i| {
                 let mut wobble = || 1.0 + noise * (points::uniform(&mut rng) - 0.5);
                 let machine = 1.0 + 0.1 * f64::from(i);
@@ -243,30 +262,57 @@ mod tests {
             .collect()
     }
 
+    const BOTH: [Rounds; 2] = [Rounds::InTurns, Rounds::InSessions];
+
     #[test]
     fn one_program_against_itself_shows_no_difference() {
-        let differs = |seed: &u64| {
-            let (old, new) = (runs(2 * seed, 0.1, 1.0), runs(2 * seed + 1, 0.1, 1.0));
-            let found = compare(&[("a", &old, &new)], 0.0);
-            found.iter().any(|c| c.verdict != Verdict::NoDifference)
+        // With few rounds, and with enough for some to be left out.
+        for (rounds, count) in BOTH.into_iter().flat_map(|r| [(r, 9), (r, 18)]) {
+            let differs = |seed: &u64| {
+                let [old, new] = [0, 1].map(|i| so_many(count, 2 * seed + i, 0.1, 1.0, 1.0));
+                let found = compare(&[("a", &old, &new)], rounds, 0.0);
+                found.iter().any(|c| c.verdict != Verdict::NoDifference)
+            };
+            // At a significance of 1%, 800 have 8 on average, and 2 to 16 but for a chance of 1 in 200:
+            // not all noise may be called none.
+            let wrong = (0..800).filter(differs).count();
+            assert!((2..=16).contains(&wrong), "{rounds:?}: {wrong}");
+        }
+    }
+
+    #[test]
+    fn a_round_in_which_something_else_took_the_machine_counts_for_little() {
+        let (old, mut new) = (
+            so_many(18, 1, 0.05, 1.0, 1.0),
+            so_many(18, 2, 0.05, 1.1, 1.0),
+        );
+        let names_it = |new: &[Run], rounds| {
+            let found = compare(&[("a", &old, new)], rounds, SESSIONS_FLOOR);
+            found[1].name == "a: intersect" && found[1].verdict == Verdict::Slower
         };
-        // At a significance of 1% more than 5 of 100 would be a chance of 1 in 1,900; and not all
-        // noise may be called none.
-        let wrong = (0..100).filter(differs).count();
-        assert!((1..=5).contains(&wrong), "{wrong}");
+        new[4].stages[0].nanoseconds *= 3.0;
+        for rounds in BOTH {
+            assert!(names_it(&new, rounds), "{rounds:?}");
+            assert!(
+                !names_it(&new[..11], rounds),
+                "{rounds:?}: too few to leave any out"
+            );
+        }
     }
 
     #[test]
     fn a_stage_that_got_slower_is_named() {
-        let (old, new) = (runs(1, 0.05, 1.0), runs(2, 0.05, 1.1));
-        let found = compare(&[("a", &old, &new)], SESSIONS_FLOOR);
-        let names: Vec<&str> = found.iter().map(|c| c.name.as_str()).collect();
-        assert_eq!(names, ["a", "a: intersect"], "small stages are left out");
-        assert_eq!(found[0].verdict, Verdict::NoDifference);
-        assert_eq!(found[1].verdict, Verdict::Slower);
-        assert!(found[1].interval[0] < 1.1 && 1.1 < found[1].interval[1]);
-        let back = compare(&[("a", &new, &old)], SESSIONS_FLOOR);
-        assert_eq!(back[1].verdict, Verdict::Faster);
+        for rounds in BOTH {
+            let (old, new) = (runs(1, 0.05, 1.0), runs(2, 0.05, 1.1));
+            let found = compare(&[("a", &old, &new)], rounds, SESSIONS_FLOOR);
+            let names: Vec<&str> = found.iter().map(|c| c.name.as_str()).collect();
+            assert_eq!(names, ["a", "a: intersect"], "small stages are left out");
+            assert_eq!(found[0].verdict, Verdict::NoDifference);
+            assert_eq!(found[1].verdict, Verdict::Slower);
+            assert!(found[1].interval[0] < 1.1 && 1.1 < found[1].interval[1]);
+            let back = compare(&[("a", &new, &old)], rounds, SESSIONS_FLOOR);
+            assert_eq!(back[1].verdict, Verdict::Faster);
+        }
     }
 
     #[test]
@@ -279,7 +325,7 @@ mod tests {
         let scenes: Vec<_> = scenes
             .map(|(n, (old, new))| (n, &old[..], &new[..]))
             .collect();
-        let found = compare(&scenes, SESSIONS_FLOOR);
+        let found = compare(&scenes, Rounds::InTurns, SESSIONS_FLOOR);
         assert_eq!(found.len(), 18);
         let verdict = |name: &str| {
             let of = found.iter().find(|c| c.name == name);
@@ -300,7 +346,7 @@ mod tests {
         // A few roundings.
         assert!(change(&runs(2, 0.05, 1.0)) < 1e-12);
         for memory in [1.2, 1.0 / 1.2] {
-            let seen = change(&runs_with_memory(3, 0.05, 1.0, memory));
+            let seen = change(&so_many(9, 3, 0.05, 1.0, memory));
             assert!((seen - 0.2).abs() < 1e-12, "{seen}");
         }
         let mut unknown = old.clone();
@@ -311,7 +357,9 @@ mod tests {
     #[test]
     fn one_run_says_nothing() {
         let (old, new) = (runs(1, 0.05, 1.0), runs(2, 0.05, 5.0));
-        let found = compare(&[("a", &old[..1], &new[..1])], 0.0);
-        assert!(found.iter().all(|c| c.verdict == Verdict::NoDifference));
+        for rounds in BOTH {
+            let found = compare(&[("a", &old[..1], &new[..1])], rounds, 0.0);
+            assert!(found.iter().all(|c| c.verdict == Verdict::NoDifference));
+        }
     }
 }

@@ -133,6 +133,13 @@ impl Prepared {
         wave::recorded(&self.scene, &self.geometry, settings, turns, with)
     }
 
+    /// Renders an eighth of the samples, which warms caches, pages and the clock up, with as many workers and
+    /// paths as the runs that follow.
+    pub fn warm_up(&self, threads: usize, wave: usize) {
+        let spp = self.scene.settings.spp.div_ceil(8);
+        self.render(threads, wave, spp, &Instruments::default());
+    }
+
     /// Renders once with `threads` workers (0: one a core) and waves of `wave` paths; stages are timed by
     /// the processor's time.
     #[must_use]
@@ -147,23 +154,9 @@ impl Prepared {
     /// [`Prepared::run`] with these instruments.
     #[must_use]
     pub fn run_with(&self, threads: usize, wave: usize, instruments: &Instruments) -> Run {
-        let settings = Settings {
-            threads,
-            wave,
-            ..self.scene.settings.clone()
-        };
-        let film = &self.scene.film;
-        let film = Film::new(film.width, film.height, settings.tile);
         let yardsticks = || [yardstick(), memory_yardstick()];
         let before = yardsticks();
-        let stats = wave::render_with(
-            &self.scene,
-            &self.geometry,
-            &settings,
-            &film,
-            &Control::default(),
-            instruments,
-        );
+        let stats = self.render(threads, wave, self.scene.settings.spp, instruments);
         let after = yardsticks();
         let all: f64 = stats.stages.iter().map(|s| s.seconds).sum();
         let items = |s: &wave::StageStats| match s.items_in {
@@ -188,5 +181,31 @@ impl Prepared {
             shadow_rays: stats.shadow_rays,
             stages: stats.stages.iter().map(stage).collect(),
         }
+    }
+
+    fn render(
+        &self,
+        threads: usize,
+        wave: usize,
+        spp: u32,
+        instruments: &Instruments,
+    ) -> wave::RenderStats {
+        let settings = Settings {
+            threads,
+            wave,
+            spp,
+            ..self.scene.settings.clone()
+        };
+        let film = &self.scene.film;
+        let film = Film::new(film.width, film.height, settings.tile);
+        let control = Control::default();
+        wave::render_with(
+            &self.scene,
+            &self.geometry,
+            &settings,
+            &film,
+            &control,
+            instruments,
+        )
     }
 }

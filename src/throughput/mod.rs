@@ -7,6 +7,7 @@
 //! yardstick's, so that a machine that is slower today, or busy, is slower in both.
 
 pub mod compare;
+mod difference;
 pub mod forest;
 pub mod measure;
 pub mod suite;

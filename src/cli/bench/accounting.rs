@@ -4,7 +4,7 @@ use super::Args;
 use crate::cli::failure::Failure;
 use crate::cli::text::out;
 use huygens::estimate::sidak;
-use huygens::throughput::compare::{Comparison, SIGNIFICANCE, compare_costs};
+use huygens::throughput::compare::{Comparison, Rounds, SIGNIFICANCE, compare_costs};
 use huygens::throughput::measure::Prepared;
 use huygens::throughput::suite::Standard;
 use huygens::wave::Instruments;
@@ -59,8 +59,9 @@ fn pairs(args: &Args, scene: &Prepared) -> Pairs {
 /// The table, and whether the interval over all scenes lies above what is allowed.
 fn report(scenes: &[(&str, Pairs)]) -> (String, bool) {
     let each = sidak(SIGNIFICANCE, scenes.len().max(1));
-    let compared =
-        |(name, [without, with]): &(&str, Pairs)| compare_costs(name, without, with, each, 0.0);
+    let compared = |(name, [without, with]): &(&str, Pairs)| {
+        compare_costs(name, [without, with], Rounds::InTurns, each, 0.0)
+    };
     let mut rows: Vec<Comparison> = scenes.iter().map(compared).collect();
     // Over all scenes: round by round, the geometric mean of the scenes' ratios.
     let rounds = scenes.iter().map(|(_, p)| p[0].len()).min().unwrap_or(0);
@@ -69,7 +70,13 @@ fn report(scenes: &[(&str, Pairs)]) -> (String, bool) {
         (logs.sum::<f64>() / scenes.len() as f64).exp()
     };
     let [without, with] = [0, 1].map(|w| (0..rounds).map(|r| mean(w, r)).collect::<Vec<f64>>());
-    let all = compare_costs("all scenes", &without, &with, SIGNIFICANCE, 0.0);
+    let all = compare_costs(
+        "all scenes",
+        [&without, &with],
+        Rounds::InTurns,
+        SIGNIFICANCE,
+        0.0,
+    );
     let surely_more = all.interval[0] > ALLOWED;
     rows.push(all);
     let mut text = format!(

@@ -2,7 +2,7 @@
 
 use super::{Layout, Part, What};
 use crate::geometry::collapse::{Collapse, NODE_COST};
-use crate::geometry::pages::Table;
+use crate::pages::Table;
 use crate::scene::Mesh;
 use huygens_kernels::bvh::{BLOCK, Block, LEAF, MAX_DEPTH, NOTHING, Node, WIDTH, index, leaf};
 use rayon::prelude::*;

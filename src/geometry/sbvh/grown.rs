@@ -2,7 +2,8 @@
 
 use super::bounds::Bounds;
 use super::reference::Reference;
-use crate::geometry::{build::Binary, pages::Table};
+use crate::geometry::build::Binary;
+use crate::pages::Table;
 use obvhs::bvh2::node::Bvh2Node;
 
 /// A subtree that one task builds. Its root is node 0; leaves refer to `triangles`.

@@ -26,7 +26,8 @@ mod sweep;
 #[cfg(test)]
 mod tests_of_few_and_many;
 
-use super::{build::Binary, pages::Table};
+use super::build::Binary;
+use crate::pages::Table;
 use crate::scene::Mesh;
 use bounds::Bounds;
 use grown::{Grown, Run};

@@ -20,7 +20,7 @@ const PAGE: usize = 2 << 20;
 const SMALL: usize = 4 << 10;
 
 /// A table of plain elements, in memory of its own where it is large.
-pub(super) struct Table<T>(Memory<T>);
+pub(crate) struct Table<T>(Memory<T>);
 
 enum Memory<T> {
     Small(Vec<T>),
@@ -30,7 +30,7 @@ enum Memory<T> {
 
 impl<T: Pod> Table<T> {
     /// `len` elements of zeros that nobody has touched yet, if they are many.
-    pub(super) fn zeroed(len: usize) -> Self {
+    pub(crate) fn zeroed(len: usize) -> Self {
         let map = map(len * size_of::<T>());
         Self(match map {
             Some(map) => Memory::Large(map, len),
@@ -40,7 +40,7 @@ impl<T: Pod> Table<T> {
 
     /// `len` elements in the memory of a table that is done with, if that is large and has room for them.
     /// What they are at first is anything.
-    pub(super) fn in_place_of<U: Pod>(old: Table<U>, len: usize) -> Self {
+    pub(crate) fn in_place_of<U: Pod>(old: Table<U>, len: usize) -> Self {
         match old.0 {
             Memory::Large(map, _) if whole::<T>(&map).len() >= len => Self(Memory::Large(map, len)),
             other => {
@@ -53,7 +53,7 @@ impl<T: Pod> Table<T> {
 
     /// Has the system clear the table's memory, on the current rayon pool, a large page a task: whoever
     /// first writes to one has it cleared, and if two do at once, both do all the work.
-    pub(super) fn clear(&mut self)
+    pub(crate) fn clear(&mut self)
     where
         T: Send,
     {
@@ -66,7 +66,7 @@ impl<T: Pod> Table<T> {
     }
 
     /// Appends elements.
-    pub(super) fn extend(&mut self, more: impl ExactSizeIterator<Item = T>) {
+    pub(crate) fn extend(&mut self, more: impl ExactSizeIterator<Item = T>) {
         let old = self.len();
         let new = old + more.len();
         match &mut self.0 {
@@ -169,7 +169,7 @@ impl<T: Pod> std::fmt::Debug for Table<T> {
 
 /// Large pages for those parts of memory, if it is large, that nobody has touched yet: zeros that are only
 /// ever read then take no memory, and one page for many.
-pub(super) fn large_where_untouched<T>(memory: &[T]) {
+pub(crate) fn large_where_untouched<T>(memory: &[T]) {
     #[cfg(target_os = "linux")]
     if size_of_val(memory) >= WORTH_IT {
         advise(memory, libc::MADV_HUGEPAGE);
@@ -179,7 +179,7 @@ pub(super) fn large_where_untouched<T>(memory: &[T]) {
 }
 
 /// Puts memory that is written already onto large pages, if it is large. What it holds stays.
-pub(super) fn onto_large<T>(memory: &[T]) {
+pub(crate) fn onto_large<T>(memory: &[T]) {
     large_where_untouched(memory);
     #[cfg(target_os = "linux")]
     if size_of_val(memory) >= WORTH_IT {
