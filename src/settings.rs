@@ -170,7 +170,7 @@ impl Default for Settings {
             ao_distance: None,
             bvh: Preset::default(),
             threads: 0,
-            wave: 2048,
+            wave: 4096,
             tile: 32,
         }
     }

@@ -214,7 +214,7 @@ fn a_stage_can_be_run_by_itself() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = bench(folder.path(), &["--stage", "box/intersect"]);
     assert!(output.status.success(), "{}", stderr(&output));
-    assert_eq!(stdout(&output), "box/intersect 2048\n");
+    assert_eq!(stdout(&output), "box/intersect 4096\n");
     for wrong in ["box", "box/lunch", "teapot/sort"] {
         let output = bench(folder.path(), &["--stage", wrong]);
         assert_eq!(output.status.code(), Some(2), "{wrong}");

@@ -60,7 +60,7 @@ pub(crate) struct Args {
         long,
         value_name = "N,...",
         value_delimiter = ',',
-        default_value = "2048"
+        default_value = "4096"
     )]
     #[arg(value_parser = clap::value_parser!(u32).range(64..=1 << 20), allow_negative_numbers = true)]
     wave: Vec<u32>,

@@ -99,7 +99,7 @@ pub(crate) struct WorkOptions {
     #[arg(value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub(crate) threads: Option<u16>,
 
-    /// Paths in a worker's wave, 64 to 1048576 [if the scene says nothing: 2048]
+    /// Paths in a worker's wave, 64 to 1048576 [if the scene says nothing: 4096]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     #[arg(value_parser = clap::value_parser!(u32).range(64..=1 << 20))]
     pub(crate) wave: Option<u32>,
