@@ -4,7 +4,7 @@
 #   - with one kernel that does a tenth of its work twice (the feature `slowed`, for each of SLOWED) it is
 #     slower, the kernel is named, nothing else is, and the exit code is 3.
 # Prints each verdict; exit 1 if one is wrong.
-#   benches/verdicts.sh [options of huygens bench; without any, --quick --threads 1 --runs 18: 20 minutes]
+#   benches/verdicts.sh [options of huygens bench; without any, --quick --threads 1 --runs 18: a quarter of an hour]
 #   TURNS=10 SLOWED='intersect occlude' benches/verdicts.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."

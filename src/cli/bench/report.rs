@@ -7,7 +7,7 @@ use huygens::throughput::suite::Standard;
 use serde::{Deserialize, Serialize};
 
 /// Version of the layout. It grows when a field changes its meaning or goes.
-pub(super) const SCHEMA: u32 = 1;
+pub(super) const SCHEMA: u32 = 2;
 
 /// One suite at one number of threads and of paths.
 #[derive(Clone, Debug, Serialize, Deserialize)]
